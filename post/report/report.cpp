@@ -352,6 +352,10 @@ std::string heat_section(const Run& run) {
                 {"Made by contacts, in bodies", joule(last("heat_made"))},
                 {"Made by contacts, in walls", joule(last("heat_made_in_walls")) + ", which leaves the scene"},
                 {"From sources", joule(last("heat_from_sources"))}};
+  if (log.has("heat_from_program")) {
+    rows.emplace_back("From sources of the program", joule(last("heat_from_program")));
+    rows.emplace_back("From media of the program", joule(last("heat_from_medium")));
+  }
   if (last("heat_arrived") != 0 || last("heat_removed") != 0) {
     rows.emplace_back("With bodies that came in", joule(last("heat_arrived")));
     rows.emplace_back("With bodies that left", joule(last("heat_removed")));

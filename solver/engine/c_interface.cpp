@@ -210,3 +210,56 @@ int scree_remove_force(scree_engine* engine, int number) {
     return SCREE_DONE;
   });
 }
+
+namespace {
+
+/// The ids of a call; those of the bodies of this rank where none are given. Throws UsageError on every rank.
+std::vector<std::int64_t> named_or_own(HostedRun& run, int64_t n, const int64_t* ids, bool has_numbers, const char* text) {
+  run.check(n >= 0 && (n == 0 || has_numbers) && (ids != nullptr || n == run.body_count() || n == 0), text);
+  const std::int64_t* const known = ids != nullptr ? ids : run.integers("id");
+  return {known, known + n};
+}
+
+}  // namespace
+
+int scree_set_heat_source(scree_engine* engine, int64_t n, const int64_t* ids, const double* powers) {
+  return called(engine, "set_heat_source", [&](HostedRun& run) {
+    const auto named =
+        named_or_own(run, n, ids, powers != nullptr,
+                     "set_heat_source: ids and powers of n >= 0 bodies are needed; without ids, n is the number of bodies of the rank");
+    std::vector<SourceOfBody> mine;
+    for (std::size_t k = 0; k < named.size(); ++k) mine.push_back({named[k], powers[k]});
+    run.hold_heat(mine);
+    return SCREE_DONE;
+  });
+}
+int scree_set_medium(scree_engine* engine, int64_t n, const int64_t* ids, const double* conductances, const double* temperatures) {
+  return called(engine, "set_medium", [&](HostedRun& run) {
+    const auto named =
+        named_or_own(run, n, ids, conductances != nullptr && temperatures != nullptr,
+                     "set_medium: ids, conductances and temperatures of n >= 0 bodies are needed; without ids, n is the number of "
+                     "bodies of the rank");
+    std::vector<MediumOfBody> mine;
+    for (std::size_t k = 0; k < named.size(); ++k) mine.push_back({named[k], conductances[k], temperatures[k]});
+    run.hold_heat(mine);
+    return SCREE_DONE;
+  });
+}
+int scree_clear_heat(scree_engine* engine, int64_t n, const int64_t* ids) {
+  return called(engine, "clear_heat", [&](HostedRun& run) {
+    run.check(n <= 0 || ids != nullptr, "clear_heat: the ids of n bodies are needed; n = -1: all bodies");
+    run.release_heat(n < 0 ? std::nullopt : std::optional(std::vector<std::int64_t>(ids, ids + n)));
+    return SCREE_DONE;
+  });
+}
+int scree_take_medium_heat(scree_engine* engine, int64_t n, const int64_t* ids, double* heat) {
+  return called(engine, "take_medium_heat", [&](HostedRun& run) {
+    const auto named =
+        named_or_own(run, n, ids, heat != nullptr,
+                     "take_medium_heat: ids of n >= 0 bodies and a place for their heat are needed; without ids, n is the number of "
+                     "bodies of the rank");
+    const std::vector<double> taken = run.take_medium_heat(named);
+    std::copy(taken.begin(), taken.end(), heat);
+    return SCREE_DONE;
+  });
+}

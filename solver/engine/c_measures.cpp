@@ -64,6 +64,16 @@ int scree_get_energies(scree_engine* engine, scree_energies* to) {
     return SCREE_DONE;
   });
 }
+int scree_get_heat(scree_engine* engine, scree_heat* to) {
+  if (const int code = need(to != nullptr, "heat: the place for it"); code != SCREE_DONE) return code;
+  return called(engine, "heat", [&](HostedRun& run) {
+    const HeatMeasures h = run.heat();
+    *to = {h.stored,           h.totals[kMade], h.totals[kMadeInWalls], h.totals[kFromSources],
+           h.from_program,     h.from_medium,   h.from_all_walls,       h.totals[kArrived],
+           h.totals[kRemoved], h.balance,       h.critical_step,        h.biot};
+    return SCREE_DONE;
+  });
+}
 int scree_state_hash(scree_engine* engine, char* text33) {
   if (const int code = need(text33 != nullptr, "state_hash: the place for the text"); code != SCREE_DONE) return code;
   return called(engine, "state_hash", [&](HostedRun& run) {
@@ -146,6 +156,9 @@ int scree_write_frame(scree_engine* engine, const char* path) {
 }
 
 int scree_insert(scree_engine* engine, int64_t n, const scree_new_body* bodies, int64_t* ids) {
+  return scree_insert_with_temperature(engine, n, bodies, nullptr, ids);
+}
+int scree_insert_with_temperature(scree_engine* engine, int64_t n, const scree_new_body* bodies, const double* temperatures, int64_t* ids) {
   return called(engine, "insert", [&](HostedRun& run) {
     run.check(n >= 0 && (n == 0 || (bodies != nullptr && ids != nullptr)), "insert: n >= 0 bodies and a place for their ids are needed");
     std::vector<NewBody> mine;
@@ -153,7 +166,7 @@ int scree_insert(scree_engine* engine, int64_t n, const scree_new_body* bodies, 
       const scree_new_body& b = bodies[k];
       mine.push_back({text_or_empty(b.shape), text_or_empty(b.material), vector_at(b.position, 0),
                       Quat{b.quaternion[0], b.quaternion[1], b.quaternion[2], b.quaternion[3]}, vector_at(b.velocity, 0),
-                      vector_at(b.angular_velocity, 0), b.scale});
+                      vector_at(b.angular_velocity, 0), b.scale, temperatures == nullptr ? std::nullopt : std::optional(temperatures[k])});
     }
     const std::vector<std::int64_t> given = run.insert(mine);
     std::copy(given.begin(), given.end(), ids);

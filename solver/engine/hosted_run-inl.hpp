@@ -60,7 +60,9 @@ struct HostedRun::Inner {
   void begin();
   void check_goes_on(const char* what) const;
   void check_joined(const char* what, const std::vector<std::int64_t>& mine) const;
+  void check_all_or_named(const char* what, bool is_named) const;
   void check_moves(const char* what) const;
+  HeatEffect& heat(const char* what);
   void check_nobody_waits(const char* what) const;
   template <class Action>
   void guarded(Action&& action);

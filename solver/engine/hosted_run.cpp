@@ -25,6 +25,13 @@ using Clock = std::chrono::steady_clock;
 /// Numbers of functions of forces, each given once in a process: a state of one run is never taken for that of another.
 std::atomic<int> g_last_force{0};
 
+template <class Entry>
+std::vector<std::int64_t> named_in(const std::vector<Entry>& mine) {
+  std::vector<std::int64_t> ids;
+  for (const Entry& entry : mine) ids.push_back(entry.id);
+  return ids;
+}
+
 }  // namespace
 
 void HostedRun::Inner::begin() {
@@ -52,7 +59,10 @@ void HostedRun::Inner::begin() {
   watchdog.emplace(comm, 0.0, nullptr);
   simulation.emplace(comm, *loaded.prepared, options.parallel);
   fit_threads(loaded.scene, comm.size(), options.most_threads);
-  if (has_folder) simulation->outer_forces();  // the log has their work from its first row on
+  if (has_folder) {  // the log has what the program does from its first row on
+    simulation->outer_forces();
+    if (auto* const heat = state().effect<HeatEffect>()) heat->outer();
+  }
   std::string path;
   RunRecord before;
   if (checkpoint) {
@@ -90,6 +100,13 @@ void HostedRun::Inner::check_joined(const char* what, const std::vector<std::int
   });
 }
 
+/// Of a call that takes ids, or means all bodies.
+void HostedRun::Inner::check_all_or_named(const char* what, bool is_named) const {
+  const double all = is_named ? 0 : 1;
+  if (comm.max(all) != -comm.max(-all))
+    throw UsageError("{}: some ranks name bodies, others mean all; on every rank name bodies, perhaps none, or mean all", what);
+}
+
 void HostedRun::Inner::check_nobody_waits(const char* what) const {
   if (simulation->bodies_wait())
     throw UsageError("{}: bodies wait to join or to leave in the next step, and are in no state before; make a step first", what);
@@ -98,6 +115,14 @@ void HostedRun::Inner::check_nobody_waits(const char* what) const {
 void HostedRun::Inner::check_moves(const char* what) const {
   check_goes_on(what);
   if (loaded.prepared->is_frozen()) throw UsageError("{}: heat.frozen keeps bodies as they are; leave it out of the case", what);
+}
+
+HeatEffect& HostedRun::Inner::heat(const char* what) {
+  check_goes_on(what);
+  auto* const effect = state().effect<HeatEffect>();
+  if (effect == nullptr)
+    throw UsageError("{}: the scene has no heat, and its bodies no temperature; add a table [heat] to the case, and pack it again", what);
+  return *effect;
 }
 
 void HostedRun::Inner::look_around() {
@@ -186,17 +211,13 @@ const std::int64_t* HostedRun::integers(const std::string& field) {
 
 void HostedRun::hold(const std::vector<WrenchOnBody>& mine) {
   in_->check_moves("set_wrench");
-  std::vector<std::int64_t> ids;
-  for (const WrenchOnBody& entry : mine) ids.push_back(entry.id);
-  in_->check_joined("set_wrench", ids);
+  in_->check_joined("set_wrench", named_in(mine));
   in_->simulation->outer_forces().hold(in_->change(), mine);
 }
 
 void HostedRun::release(const std::optional<std::vector<std::int64_t>>& mine) {
   in_->check_moves("clear_wrench");
-  const double all = mine ? 0 : 1;
-  if (in_->comm.max(all) != -in_->comm.max(-all))
-    throw UsageError("clear_wrench: some ranks name bodies, others mean all; on every rank name bodies, perhaps none, or mean all");
+  in_->check_all_or_named("clear_wrench", mine.has_value());
   if (mine) in_->check_joined("clear_wrench", *mine);
   in_->simulation->outer_forces().release(in_->change(), mine);
 }
@@ -217,6 +238,33 @@ void HostedRun::remove_force(int number) {
   if (in_->failed.empty()) in_->simulation->outer_forces().remove(in_->change(), at->number_of_effect);
   in_->forces.erase(at);
 }
+
+void HostedRun::hold_heat(const std::vector<SourceOfBody>& mine) {
+  OuterHeat& outer = in_->heat("set_heat_source").outer();
+  in_->check_joined("set_heat_source", named_in(mine));
+  outer.hold(in_->state(), mine);
+}
+
+void HostedRun::hold_heat(const std::vector<MediumOfBody>& mine) {
+  OuterHeat& outer = in_->heat("set_medium").outer();
+  in_->check_joined("set_medium", named_in(mine));
+  outer.hold(in_->state(), mine);
+}
+
+void HostedRun::release_heat(const std::optional<std::vector<std::int64_t>>& mine) {
+  OuterHeat& outer = in_->heat("clear_heat").outer();
+  in_->check_all_or_named("clear_heat", mine.has_value());
+  if (mine) in_->check_joined("clear_heat", *mine);
+  outer.release(in_->state(), mine);
+}
+
+std::vector<double> HostedRun::take_medium_heat(const std::vector<std::int64_t>& mine) {
+  OuterHeat& outer = in_->heat("take_medium_heat").outer();
+  in_->check_joined("take_medium_heat", mine);
+  return outer.take(in_->state(), mine);
+}
+
+HeatMeasures HostedRun::heat() { return in_->heat("heat").measure(in_->state()); }
 
 std::vector<std::array<double, 6>> HostedRun::wall_loads() {
   in_->check_goes_on("loads of walls");

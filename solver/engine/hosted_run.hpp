@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "core/storage/frame_file.hpp"
+#include "solver/effects/heat/heat_effect.hpp"
 #include "solver/effects/outer_forces/outer_forces.hpp"
 #include "solver/run/checkpoint.hpp"
 
@@ -30,6 +31,7 @@ struct NewBody {
   Quat orientation;  ///< mesh to world
   Vec3 velocity, angular_velocity;
   double scale = 1;
+  std::optional<double> temperature;  ///< [K]; none: that of [heat], where the scene has heat
 };
 
 class HostedRun {
@@ -74,6 +76,13 @@ class HostedRun {
   /// in   name   in messages; "": its number
   int add_force(const ForceFunction& function, std::int64_t every, const std::string& name);
   void remove_force(int number);
+
+  // Heat from outside. UsageError in a scene without heat.
+  void hold_heat(const std::vector<SourceOfBody>& mine);
+  void hold_heat(const std::vector<MediumOfBody>& mine);
+  void release_heat(const std::optional<std::vector<std::int64_t>>& mine);
+  std::vector<double> take_medium_heat(const std::vector<std::int64_t>& mine);
+  HeatMeasures heat();
 
   // 5. Walls and measures.
   std::vector<std::array<double, 6>> wall_loads();

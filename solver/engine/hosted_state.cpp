@@ -23,6 +23,29 @@ std::int32_t index_of(const std::vector<std::string>& names, const std::string& 
                    near.empty() ? fmt::format("there are: {}", fmt::join(names, ", ")) : fmt::format("did you mean '{}'?", near));
 }
 
+/// Of a new body [K]; 0 in a scene without heat. Throws UsageError.
+double temperature_of(const Scene& scene, const NewBody& body, std::int32_t material, std::size_t number) {
+  if (!scene.settings.heat) {
+    if (body.temperature)
+      throw UsageError(
+          "insert: body {} of this call has a temperature, and the scene has no heat; leave it out, or add a table [heat] to the case",
+          number);
+    return 0;
+  }
+  if (const Material& m = scene.materials[static_cast<std::size_t>(material)]; !m.has_heat())
+    throw UsageError(
+        "insert: body {} of this call is of '{}', which has no heat_capacity and conductivity; give both to the material in the case",
+        number, m.name);
+  const double of_case = scene.settings.heat->temperature;
+  if (!body.temperature && !(of_case > 0))
+    throw UsageError("insert: body {} of this call has no temperature, and [heat] of the case has none for all bodies; give one", number);
+  const double temperature = body.temperature.value_or(of_case);
+  if (!(temperature > 0) || !std::isfinite(temperature))
+    throw UsageError("insert: body {} of this call has a temperature of {:g} K; expected a finite number > 0, in kelvin", number,
+                     temperature);
+  return temperature;
+}
+
 template <class Items>
 std::vector<std::string> names_of(const Items& items) {
   std::vector<std::string> names;
@@ -109,7 +132,6 @@ std::vector<std::int64_t> HostedRun::insert(const std::vector<NewBody>& mine) {
   if (in_->comm.rank() == 0) before = 0;
   mpi::on_all(in_->comm, [&] {
     const Scene& scene = in_->loaded.scene;
-    if (scene.settings.heat) throw UsageError("insert: a scene with heat takes bodies in by its inlets only");
     const std::vector<std::string> shapes = names_of(scene.shapes), materials = names_of(scene.materials);
     for (const NewBody& body : mine) {
       BodyAtStart b{};
@@ -136,6 +158,7 @@ std::vector<std::int64_t> HostedRun::insert(const std::vector<NewBody>& mine) {
         throw UsageError("insert: the quaternion of body {} of this call is 0; without a rotation it is 1 0 0 0", ids.size());
       if (!(b.scale > 0) || !std::isfinite(b.scale))
         throw UsageError("insert: body {} of this call has a scale of {:g}; expected a number > 0", ids.size(), b.scale);
+      b.temperature = temperature_of(scene, body, b.material, ids.size());
       records.push_back(make_record(*in_->loaded.prepared, b));
       ids.push_back(b.id);
     }

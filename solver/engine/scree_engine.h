@@ -137,6 +137,37 @@ SCREE_API int scree_add_named_force(scree_engine* engine, const char* name, scre
 SCREE_API void scree_force_failed(scree_engine* engine, const char* text);
 SCREE_API int scree_remove_force(scree_engine* engine, int number);
 
+/* ---- Heat from outside: only in scenes with a table [heat], else SCREE_USAGE ---- */
+
+/* Sources of heat: powers [W] into n bodies, held until they are given again; each in place of what its body had before. A power below 0 cools;
+ * 0 ends the source. They add to the key heat_source of the case, and act from the next step on, over the whole of it.
+ * ids: NULL: the bodies of this rank in the order of scree_reals(), n = scree_body_count(). Any rank may name any body, fixed and sleeping ones
+ * too; none wakes.
+ * SCREE_USAGE: an id that is unknown or given twice; a number that is not finite. Nothing is changed then.
+ * Cost: O(n log n), 16 B for each id to every rank. */
+SCREE_API int scree_set_heat_source(scree_engine* engine, int64_t n, const int64_t* ids, const double* powers);
+/* Media: what surrounds n bodies, a fluid that the program computes. A body of temperature T gets the power G (T_m - T), with its conductance
+ * G = h A [W/K] and the temperature T_m [K] of the medium, both held until they are given again. T is that of each stage of a step: the exchange
+ * is of second order (Heun). G counts in the critical step of heat, the mass times heat capacity over the conductances of a body: a longer step of
+ * the run ends scree_step() with SCREE_RUN_INVALID. G = 0: nothing passes. ids as in scree_set_heat_source().
+ * SCREE_USAGE: the same; G < 0 or T_m <= 0. */
+SCREE_API int scree_set_medium(scree_engine* engine, int64_t n, const int64_t* ids, const double* conductances, const double* temperatures);
+/* Ends sources and media of n bodies, of which each rank may name its own; n = -1: of all, and then on every rank. */
+SCREE_API int scree_clear_heat(scree_engine* engine, int64_t n, const int64_t* ids);
+/* out: heat [J] that has passed from its medium to each of n bodies since it was last taken, to rounding what the body was heated by: the medium has
+ * lost as much. 0 of a body without a medium. A body that had a medium and has left the run may be named once after that. Each rank names its own
+ * part. ids as in scree_set_heat_source(). scree_save(), scree_restore() and checkpoints keep what has not been taken.
+ * SCREE_USAGE: an id that is unknown or given twice. Nothing is taken then. Cost: O(n log n), 16 B for each id to every rank. */
+SCREE_API int scree_take_medium_heat(scree_engine* engine, int64_t n, const int64_t* ids, double* heat);
+/* Heat of the whole scene [J], as in log.csv: stored (mass times heat capacity times temperature of all bodies); since the start made by contacts in
+ * bodies and in walls, given by sources of the case, by those of scree_set_heat_source(), by media and by walls, arrived with bodies that came in,
+ * removed with those that left. balance: stored + removed - made - from_sources - from_program - from_medium - from_walls - arrived: it stays the
+ * same but for rounding. critical_step [s] (the step must not exceed it) and the largest Biot number are of contacts and media in the last step. */
+typedef struct {
+  double stored, made, made_in_walls, from_sources, from_program, from_medium, from_walls, arrived, removed, balance, critical_step, biot;
+} scree_heat;
+SCREE_API int scree_get_heat(scree_engine* engine, scree_heat* heat);
+
 /* ---- Walls ---- */
 
 SCREE_API int scree_wall_count(const scree_engine* engine);
@@ -195,8 +226,12 @@ typedef struct {
  * given in the order of ranks. SCREE_USAGE, and no body joins: a shape or material that is unknown, a number that is not finite, a place outside a bounded domain,
  * a body within another one or behind a wall, a size for which the margins or ranges of attraction of the scene were not made, or whose contacts need a
  * shorter step than that of the run. A warning reports an overlap of more than 2 % of a radius, and again one that is at least twice as large. Until they have joined,
- * scree_set_wrench() and scree_remove() refuse them. */
+ * scree_set_wrench(), the functions of heat and scree_remove() refuse them. */
 SCREE_API int scree_insert(scree_engine* engine, int64_t n, const scree_new_body* bodies, int64_t* ids);
+/* The same with a temperature [K] of each body, for scenes with heat. scree_insert(), and temperatures = NULL, take heat.temperature of the case.
+ * SCREE_USAGE as well: a temperature <= 0 or not finite; none here and none in the case; a material without heat_capacity and conductivity; a scene
+ * without heat. */
+SCREE_API int scree_insert_with_temperature(scree_engine* engine, int64_t n, const scree_new_body* bodies, const double* temperatures, int64_t* ids);
 /* Takes bodies out in the next step, booked as those that leave the domain. */
 SCREE_API int scree_remove(scree_engine* engine, int64_t n, const int64_t* ids);
 

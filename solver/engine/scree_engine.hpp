@@ -100,6 +100,31 @@ class Engine {
                            torques.empty() ? nullptr : torques.data()));
   }
   void clear_wrench() { check(scree_clear_wrench(open(), -1, nullptr)); }
+  // Heat, in scenes that have it. One number for each id; without ids, for each body of this rank in the order of reals().
+  void set_heat_source(std::span<const std::int64_t> ids, std::span<const double> powers) {
+    need_one_each("set_heat_source", ids, powers);
+    check(scree_set_heat_source(open(), size_of(powers), data_of(ids), powers.data()));
+  }
+  void set_medium(std::span<const std::int64_t> ids, std::span<const double> conductances, std::span<const double> temperatures) {
+    need_one_each("set_medium", ids, conductances);
+    need_one_each("set_medium", ids, temperatures);
+    if (conductances.size() != temperatures.size())
+      throw std::invalid_argument("set_medium: as many temperatures as conductances are needed");
+    check(scree_set_medium(open(), size_of(conductances), data_of(ids), conductances.data(), temperatures.data()));
+  }
+  void clear_heat() { check(scree_clear_heat(open(), -1, nullptr)); }
+  /// [J], of the media since it was last taken.
+  std::vector<double> take_medium_heat(std::span<const std::int64_t> ids) {
+    std::vector<double> heat(ids.size());
+    check(scree_take_medium_heat(open(), size_of(heat), ids.data(), heat.data()));
+    return heat;
+  }
+  scree_heat heat() {
+    scree_heat h;
+    check(scree_get_heat(open(), &h));
+    return h;
+  }
+
   /// Returns a number for remove_force(). The function lives until then.   in   name   in messages and run.json; "": its number
   int add_force(Force force, std::int64_t every = 1, const std::string& name = "") {
     auto added = std::make_unique<Call>(Call{this, std::move(force), {}, 0});
@@ -147,9 +172,13 @@ class Engine {
   void write_checkpoint(const std::string& folder) { check(scree_write_checkpoint(open(), folder.c_str())); }
   void write_frame(const std::string& path) { check(scree_write_frame(open(), path.c_str())); }
 
-  std::vector<std::int64_t> insert(std::span<const scree_new_body> bodies) {
+  /// in   temperatures   of each body [K], in scenes with heat; empty: that of the case
+  std::vector<std::int64_t> insert(std::span<const scree_new_body> bodies, std::span<const double> temperatures = {}) {
+    if (!temperatures.empty() && temperatures.size() != bodies.size())
+      throw std::invalid_argument("insert: one temperature for each body is needed");
     std::vector<std::int64_t> ids(bodies.size());
-    check(scree_insert(open(), static_cast<std::int64_t>(bodies.size()), bodies.data(), ids.data()));
+    check(scree_insert_with_temperature(open(), size_of(bodies), bodies.data(), temperatures.empty() ? nullptr : temperatures.data(),
+                                        ids.data()));
     return ids;
   }
   void remove(std::span<const std::int64_t> ids) { check(scree_remove(open(), static_cast<std::int64_t>(ids.size()), ids.data())); }
@@ -161,6 +190,14 @@ class Engine {
   scree_engine* open() const {
     if (engine_ == nullptr) throw EngineError(SCREE_USAGE, "the engine is closed; open another one");
     return engine_;
+  }
+  template <class Items>
+  static std::int64_t size_of(const Items& items) {
+    return static_cast<std::int64_t>(items.size());
+  }
+  static const std::int64_t* data_of(std::span<const std::int64_t> ids) { return ids.empty() ? nullptr : ids.data(); }
+  static void need_one_each(const char* what, std::span<const std::int64_t> ids, std::span<const double> numbers) {
+    if (!ids.empty() && ids.size() != numbers.size()) throw std::invalid_argument(std::string(what) + ": one number for each id is needed");
   }
   struct Call {
     Engine* engine;

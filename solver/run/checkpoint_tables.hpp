@@ -184,6 +184,7 @@ inline void write_effect(const mpi::Communicator& comm, CollectiveFile& file, co
   for (std::size_t k = 0; k < record.size(); ++k) {
     const ArrayFormat& array = format.arrays[k];
     const std::size_t numbers = array.is_real ? record[k].reals.size() : record[k].integers.size();
+    if (array.is_later && numbers == 0) continue;  // read as empty
     const auto rows = static_cast<std::int64_t>(numbers) / array.width;
     const void* data = array.is_real ? static_cast<const void*>(record[k].reals.data()) : record[k].integers.data();
     file.write(group ? *group : root, array.name, data, comm.rank() == 0 ? Rows{rows, 0, rows} : Rows{0, rows, rows}, array.width,

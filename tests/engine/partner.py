@@ -102,6 +102,75 @@ def swirl(bodies):
     return -0.3 * bodies.mass[:, None] * bodies.velocity[:, [1, 0, 2]], -1e-7 * bodies.angular_velocity
 
 
+def heat_of_program(engine, first):
+    """Changes what a program gives to bodies of all ranks: at the start, and once more in between."""
+    if first:
+        engine.set_heat_source(mine(list(range(5, 40)))[::-1], 0.05)
+        engine.set_medium(mine(list(range(20, 70))), 2e-3, 400)
+    else:
+        engine.set_medium(mine(list(range(30, 50))), 1e-3, 350)
+        engine.clear_heat(mine(list(range(5, 10))))
+        engine.set_heat_source(None, 0.01 + 1e-4 * (engine.bodies.id % 7))
+
+
+def heated(scene, steps, folder=None, path=None, repeats=1):
+    """A pile that a program heats, through a checkpoint or a state in memory in between. Hash, heat and what passed from the media, by id."""
+    ids = list(range(20, 70))
+    found = []
+    with scree.Engine(scene, COMM, restart=path) as engine:
+        if path is None:
+            heat_of_program(engine, True)
+            engine.step(steps)
+            heat_of_program(engine, False)
+            engine.step(7)
+        assert engine.steps == steps + 7
+        if folder is not None:
+            engine.write_checkpoint(folder)
+        state = engine.save() if repeats > 1 else None
+        for _ in range(repeats):
+            if state is not None:
+                engine.restore(state)
+            engine.step(steps)
+            part = mine(ids)
+            taken = dict(sorted((i, q) for rows in gathered(list(zip(part, engine.take_medium_heat(part).tolist()))) for i, q in rows))
+            again = engine.take_medium_heat(part)
+            assert not again.any(), "what was taken is gone"
+            heat = vars(engine.heat())
+            found.append((engine.state_hash(), {name: heat[name] for name in heat if name not in ("critical_step", "biot")}, taken))
+    assert all(row == found[0] for row in found), found
+    return found[0]
+
+
+def heat_comes_and_goes(scene):
+    """Bodies of a scene with heat come from all ranks and go, some to another rank on the way, with a medium each."""
+    with scree.Engine(scene, COMM) as engine:
+        begin = engine.heat()
+        first = sorted(int(i) for part in gathered(engine.bodies.id.tolist()) for i in part)
+        engine.set_medium(None, 3e-3, 350)
+        engine.step(200)
+        places = mine([[0.011 * x, 0.011 * y, 0.12] for x in (-1, 0, 1) for y in (-1, 0, 1)])
+        ids = engine.insert("ball", "glass", np.reshape(places, (-1, 3)), velocity=[0.2, 0.1, -0.3], temperature=500)
+        more = engine.insert("ball", "glass", np.add(np.reshape(places, (-1, 3)), [0, 0, 0.03]))
+        engine.step(1)
+        arrived = engine.heat()
+        hot, mild = ({int(i): t for part in gathered(list(zip(engine.bodies.id.tolist(), engine.bodies.temperature.tolist()))) for i, t in part}[i]
+                     for i in (sorted(i for part in gathered(some.tolist()) for i in part)[0] for some in (ids, more)))
+        engine.set_medium(ids, 3e-3, 350)
+        engine.step(300)
+        left = mine(first[3:7]) + ([int(ids[0])] if RANK == 0 else [])
+        named = mine(first) + ids.tolist()   # those that are to leave too
+        engine.remove(left)
+        engine.step(100)
+        taken = float(sum(gathered(float(engine.take_medium_heat(named).sum()))))
+        refused = ""
+        try:
+            engine.take_medium_heat(left)
+        except scree.UsageError as error:
+            refused = str(error)
+        end = engine.heat()
+        return engine.state_hash(), vars(begin), vars(arrived), vars(end), taken, hot, mild, refused
+
+
 def with_functions(scene, steps, further, folder=None, path=None):
     """Steps with three functions, one that is called in every 7th step; from a checkpoint, they are added again in the same order.
     Hash, energies and calls at the end."""

@@ -143,8 +143,12 @@ case $4 in
     run fluidised
     holds fluidised/ergun.md "pressure gradient at 1.0 m/s"
     there fluidised/fluidised-ball.csv fluidised/fluidised-rock.csv fluidised/fluidised.png
-    if command -v ffmpeg >/dev/null; then there fluidised/fluidised-ball.mp4 fluidised/fluidised-rock.mp4; fi
-    page fluidised/fluidised-ball ;;
+    # hot air: closed forms, and the energy of both codes
+    holds fluidised/warm.md "^| Schumann, cells of 1.6 mm: largest error of balls and air"
+    for shape in ball rock; do holds "fluidised/warm-$shape.energy.md" "^| exchange: heat that left the air, with what it owes | [0-9.]* | heat that the bodies took | [0-9.]* | [-+][0-9.]*e\(+00\|-1[0-9]\) |"; done
+    there fluidised/warm-ball.csv fluidised/warm-rock.profiles.csv fluidised/warm.png
+    if command -v ffmpeg >/dev/null; then there fluidised/fluidised-ball.mp4 fluidised/fluidised-rock.mp4 fluidised/warm-ball.mp4; fi
+    page fluidised/fluidised-ball; page fluidised/warm-rock ;;
   heated-bed)
     run heated-bed
     # too low a bed for the depths of the experiment; what is stored came from the lid, to rounding

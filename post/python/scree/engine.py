@@ -21,6 +21,7 @@ from .attributes import ReadAttributes
 from .engine_after import AfterSteps
 from .engine_arguments import address_of, duplicate_of, id_list, new_bodies, path_bytes, real, vectors, whole
 from .engine_calls import force_callback, name_of, polls
+from .engine_heat import Heat, HeatOfEngine
 from .engine_library import CEnergies, PollFunction, ScreeWarning, c_double, c_int, c_int64, c_pointer, copied, error_text, loaded_library, of_the_wheel, pass_on_warnings
 from .engine_rows import INTEGERS, WIDTHS, EngineBodies, EngineContacts, Moment
 from .engine_values import Energies, EngineWall, State
@@ -28,12 +29,12 @@ from .errors import InternalError, UsageError, error_of
 from .frames import Frame
 from .scene import Named, Scene
 
-__all__ = ["Energies", "Engine", "EngineBodies", "EngineContacts", "EngineWall", "ScreeWarning", "State"]
+__all__ = ["Energies", "Engine", "EngineBodies", "EngineContacts", "EngineWall", "Heat", "ScreeWarning", "State"]
 
 _POLL_INTERVAL = 0.1  # [s], after which a Ctrl-C stops the steps: not felt, and far longer than a step of few bodies
 
 
-class Engine(AfterSteps, ReadAttributes):
+class Engine(AfterSteps, HeatOfEngine, ReadAttributes):
     """A run in this process, stepped from Python.
 
         with scree.Engine("bed.scene.h5") as engine:
@@ -357,7 +358,8 @@ class Engine(AfterSteps, ReadAttributes):
     # -- bodies that come and go
 
     def insert(self, shape: str | Sequence[str], material: str | Sequence[str], position: ArrayLike, quaternion: ArrayLike | None = None,
-               velocity: ArrayLike | None = None, angular_velocity: ArrayLike | None = None, scale: ArrayLike = 1.0) -> np.ndarray:
+               velocity: ArrayLike | None = None, angular_velocity: ArrayLike | None = None, scale: ArrayLike = 1.0,
+               temperature: ArrayLike | None = None) -> np.ndarray:
         """Bodies join in the next step. Returns their ids. Each rank gives its own bodies.
 
         Raises UsageError, and no body joins, for a place outside the domain, within a body or behind a wall, and for a size that the scene was not made for.
@@ -366,14 +368,17 @@ class Engine(AfterSteps, ReadAttributes):
         shape      name, or one for each; material the same
         position   n x 3, or 3 of one body [m]; where they are at the end of that step
         quaternion, velocity [m/s], angular_velocity [rad/s], scale of the shape: for each, or one for all; None: not turned, at rest
+        temperature  [K], the same, in scenes with heat; None: heat.temperature of the case
         """
-        def check() -> tuple[np.ndarray, list[Any]]:
-            return new_bodies(self._names, shape, material, position, {"quaternion": quaternion, "velocity": velocity, "angular_velocity": angular_velocity, "scale": scale})
+        def check() -> tuple[np.ndarray, np.ndarray | None, list[Any]]:
+            given = {"quaternion": quaternion, "velocity": velocity, "angular_velocity": angular_velocity, "scale": scale}
+            bodies, texts = new_bodies(self._names, shape, material, position, given)
+            return bodies, None if temperature is None else vectors("insert: temperature", temperature, len(bodies), 1), texts
 
         self._check_open("insert")
-        bodies, _texts = self._together(check)
+        bodies, temperatures, _texts = self._together(check)
         ids = np.zeros(len(bodies), dtype=np.int64)
-        self._call("insert", len(bodies), address_of(bodies), address_of(ids))
+        self._call("insert_with_temperature", len(bodies), address_of(bodies), address_of(temperatures), address_of(ids))
         return ids
 
     def remove(self, ids: ArrayLike) -> None:

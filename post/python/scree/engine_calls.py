@@ -85,7 +85,7 @@ def force_callback(function: Callable[[EngineBodies], Any], name: str, kept: Kep
 
 #: what a user called, where the library has another name for it
 _SAID = {"body_count": "bodies", "step_count": "steps", "wall_count": "walls", "wall_name": "walls", "wall_state": "walls", "wall_loads": "walls: load",
-         "wall_way": "walls: way", "drive_wall": "drive", "get_energies": "energies", "add_named_force": "add_force", "shape_count": "shape_name",
+         "wall_way": "walls: way", "drive_wall": "drive", "get_energies": "energies", "get_heat": "heat", "insert_with_temperature": "insert", "add_named_force": "add_force", "shape_count": "shape_name",
          "material_count": "material_name"}
 
 

@@ -32,6 +32,11 @@ class CEnergies(ctypes.Structure):
         "bond", "fracture", "slept", "balance")]
 
 
+class CHeat(ctypes.Structure):
+    _fields_ = [(name, c_double) for name in (
+        "stored", "made", "made_in_walls", "from_sources", "from_program", "from_medium", "from_walls", "arrived", "removed", "balance", "critical_step", "biot")]
+
+
 #: scree_new_body
 NEW_BODY = np.dtype([("shape", np.uintp), ("material", np.uintp), ("position", float, 3), ("quaternion", float, 4), ("velocity", float, 3),
                       ("angular_velocity", float, 3), ("scale", float)])
@@ -44,13 +49,15 @@ _OF_ENGINE: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "body_count": (c_int64, ()), "reals": (c_pointer, (c_text,)), "integers": (c_pointer, (c_text,)),
     "set_wrench": (c_int, (c_int64, c_pointer, c_pointer, c_pointer)), "clear_wrench": (c_int, (c_int64, c_pointer)),
     "remove_force": (c_int, (c_int,)),
+    "set_heat_source": (c_int, (c_int64, c_pointer, c_pointer)), "set_medium": (c_int, (c_int64, c_pointer, c_pointer, c_pointer)),
+    "clear_heat": (c_int, (c_int64, c_pointer)), "take_medium_heat": (c_int, (c_int64, c_pointer, c_pointer)), "get_heat": (c_int, (c_pointer,)),
     "add_named_force": (c_int, (c_text, ForceFunction, c_int64, c_pointer, c_pointer)), "force_failed": (None, (c_text,)),
     "wall_count": (c_int, ()), "wall_name": (c_text, (c_int,)), "wall_loads": (c_int, (c_pointer,)), "wall_state": (c_int, (c_int, c_pointer)),
     "drive_wall": (c_int, (c_int, c_double)), "wall_way": (c_int, (c_int, c_pointer, c_pointer)),
     "get_energies": (c_int, (c_pointer,)), "state_hash": (c_int, (c_pointer,)), "critical_step": (c_int, (c_pointer,)), "contacts": (c_int, (c_pointer,)),
     "contact_reals": (c_pointer, (c_text,)), "contact_integers": (c_pointer, (c_text,)),
     "save": (c_int, (c_pointer,)), "restore": (c_int, (c_pointer,)), "write_checkpoint": (c_int, (c_text,)), "write_frame": (c_int, (c_text,)),
-    "insert": (c_int, (c_int64, c_pointer, c_pointer)), "remove": (c_int, (c_int64, c_pointer)),
+    "insert_with_temperature": (c_int, (c_int64, c_pointer, c_pointer, c_pointer)), "remove": (c_int, (c_int64, c_pointer)),
 }
 
 

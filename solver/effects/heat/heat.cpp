@@ -53,6 +53,7 @@ void HeatEffect::on_rebuild(const StepParts& parts) {
     if (found != source_of_id_.end() && found->first == s.particles.id[i]) source_[i] = found->second;
   }
   if (gas_) gas_->find(parts);
+  if (outer_) outer_->on_rebuild(s);
   if (s.scene.is_frozen()) find_frozen(parts);
 }
 
@@ -158,14 +159,17 @@ void HeatEffect::review_conduction(const RunState& s) {
       if (row >= 0 && at(row) < p.owned) sum[at(row)] += flow.conductance;
     }
   }
+  if (outer_) outer_->add_conductance(sum);
   double least = std::numeric_limits<double>::infinity(), biot = 0;
   std::int64_t body = -1;
+  std::size_t body_row = 0;
   for (std::size_t i = 0; i < p.owned; ++i) {
     if (!(sum[i] > 0)) continue;
     const double step = capacity(p, i) / sum[i];
     if (step < least || (step == least && p.id[i] < body)) {
       least = step;
       body = p.id[i];
+      body_row = i;
     }
     const Shape& shape = s.scene.source().shapes[at(p.shape[i])];
     const double area = shape.area * p.scale[i] * p.scale[i];
@@ -174,6 +178,7 @@ void HeatEffect::review_conduction(const RunState& s) {
   }
   critical_step_ = least;
   critical_body_ = body;
+  critical_medium_ = outer_ && body >= 0 && least < s.clock.dt ? outer_->conductance_of(body_row) : 0;  // for the message of check_step()
   biot_ = biot;
 }
 
@@ -188,6 +193,15 @@ StepBound HeatEffect::bound(const RunState& s) const {
 void HeatEffect::check_step(const StepParts& parts) const {
   const RunState& s = parts.state;
   if (s.clock.dt <= critical_step_) return;
+  if (critical_medium_ > 0) {
+    parts.failure.keep(
+        RunInvalid("step {}: body {} exchanges heat so well that its temperature is stable with a step of at most {:.3g} s, its mass times "
+                   "its heat_capacity over the conductances of its contacts and of the medium that the program gives it, {:.3g} W/K of the "
+                   "latter; the run has {:.3g} s. Give time.step, a larger heat_capacity, or the medium a smaller conductance",
+                   s.clock.step, critical_body_, critical_step_, critical_medium_, s.clock.dt),
+        s.clock.step);
+    return;
+  }
   parts.failure.keep(
       RunInvalid("step {}: body {} conducts so well that its temperature is stable with a step of at most {:.3g} s, its mass times its "
                  "heat_capacity over the conductances of its contacts; the run has {:.3g} s. Give time.step, or a larger heat_capacity",
@@ -299,11 +313,16 @@ void HeatEffect::advance(const StepParts& parts) {
   parts.halo.refresh_column(p.temperature, s.times);
   power_first_.assign(p.owned, 0.0);
   add_conducted(s, p.temperature, power_first_);
+  if (outer_) outer_->add_power(p.temperature, power_first_);
   stage_ = p.temperature;
   for (std::size_t i = 0; i < p.owned; ++i) stage_[i] += (dt * power_first_[i] + given_[i]) / capacity(p, i);
   parts.halo.refresh_column(stage_, s.times);
   power_.assign(p.owned, 0.0);
   add_conducted(s, stage_, power_);
+  if (outer_) {
+    outer_->add_power(stage_, power_);
+    outer_->count_passed(dt, p.temperature, stage_);
+  }
   for (const Flow& flow : flows_) {
     if (flow.wall < 0 || !wall_of(flow).heat.has_temperature()) continue;
     const std::size_t w = at(flow.wall), a = at(flow.a);
@@ -315,7 +334,8 @@ void HeatEffect::advance(const StepParts& parts) {
   for (std::size_t i = 0; i < p.owned; ++i) {
     heat_body(p, i, 0.5 * dt * (power_first_[i] + power_[i]) + given_[i]);
     if (p.temperature[i] > 0) continue;
-    parts.failure.keep(RunInvalid("step {}: body {} is cooled to {:.4g} K, below absolute zero; take less from it (heat_source, heat_flux)",
+    parts.failure.keep(RunInvalid("step {}: body {} is cooled to {:.4g} K, below absolute zero; take less from it (heat_source, heat_flux, "
+                                  "the sources of a program)",
                                   s.clock.step, p.id[i], p.temperature[i]),
                        s.clock.step);
   }
@@ -344,6 +364,7 @@ void HeatEffect::end_step(const StepParts& parts) {
     given_[i] += s.clock.dt * source_[i];
     totals_[kFromSources].add(s.clock.dt * source_[i]);
   }
+  if (outer_) outer_->add_sources(s.clock.dt, given_);
   if (has_flux_) add_flux(s);
   advance(parts);
 }
@@ -353,6 +374,7 @@ EffectKind heat_effect() {
   for (const char* name : kHeatTotalNames) format.arrays.push_back(sum_format(name));
   format.arrays.push_back(sum_format("walls"));
   format.arrays.push_back({"pending", "J"});
+  for (const ArrayFormat& array : OuterHeat::formats()) format.arrays.push_back(array);
   return {format, {"heat", "no [heat]: bodies have no temperature"}, [](const RunState& s) -> std::unique_ptr<Effect> {
             if (!s.scene.source().settings.heat) return nullptr;
             check_heat(s.scene.source());

@@ -18,8 +18,10 @@
 // Friction heat is counted as dissipation is: the forces of a step act over a whole step around it, so that half of the last one lies ahead
 // when totals are read. What friction springs store is no heat until it is given up.
 //
-// Source: HEUN, K., Z. Math. Phys. 45 (1900) 23; conduction as in conductance.hpp.   Limits: no radiation, no convection;
-// one temperature a body, which holds for Biot numbers below 0.1 (the log has the largest).
+// A program that steps the run can give each body a source and a medium (outer_heat.hpp).
+//
+// Source: HEUN, K., Z. Math. Phys. 45 (1900) 23; conduction as in conductance.hpp.   Limits: no radiation; one temperature a body, which
+// holds for Biot numbers below 0.1 (the log has the largest).
 #pragma once
 
 #include "solver/state/effect.hpp"

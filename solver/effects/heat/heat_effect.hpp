@@ -12,6 +12,7 @@
 
 #include "solver/effects/heat/conductance.hpp"
 #include "solver/effects/heat/gas_gaps.hpp"
+#include "solver/effects/heat/outer_heat.hpp"
 #include "solver/state/effect.hpp"
 #include "solver/state/run_state.hpp"
 
@@ -20,6 +21,16 @@ namespace scree {
 /// Sums that a rank keeps of heat [J], by their names in checkpoints and, after "heat_", in the log.
 enum HeatTotal : std::size_t { kMade, kMadeInWalls, kFromSources, kArrived, kRemoved, kHeatTotals };
 inline constexpr std::array<const char*, kHeatTotals> kHeatTotalNames{"made", "made_in_walls", "from_sources", "arrived", "removed"};
+
+/// Heat of the whole scene, as log.csv has it. [J] but for the last two.
+struct HeatMeasures {
+  double stored = 0, balance = 0;
+  std::array<double, kHeatTotals> totals{};
+  double from_program = 0, from_medium = 0;  ///< of outer_heat.hpp
+  double from_all_walls = 0;
+  std::vector<double> from_walls, flow_of_walls;  ///< of each wall; its flow [W]
+  double critical_step = 0, biot = 0;             ///< [s], [-], of the present contacts and media
+};
 
 class HeatEffect : public Effect, public PairObserver {
  public:
@@ -51,7 +62,17 @@ class HeatEffect : public Effect, public PairObserver {
     if (s.scene.source().settings.heat->has_gas()) gas_.emplace(s.scene.source());
   }
 
+  /// What a program gives to bodies; made at the first call, on every rank alike, between two steps. The log then has its columns.
+  OuterHeat& outer() { return outer_ ? *outer_ : outer_.emplace(); }
+  /// Null where no program gives anything.
+  const OuterHeat* given_outer() const { return outer_ ? &*outer_ : nullptr; }
+  /// Collective.
+  HeatMeasures measure(const RunState& s) const;
+
   void start(RunState& s) override;
+  void after_migration(RunState& s, bool left) override {
+    if (outer_) outer_->after_migration(s, left);
+  }
   void on_rebuild(const StepParts& parts) override;
   void body_leaves(const RunState& s, std::size_t row) override { add_heat_of(s.particles, row, totals_[kRemoved]); }
   void body_joins(const RunState& s, std::size_t row) override { add_heat_of(s.particles, row, totals_[kArrived]); }
@@ -71,6 +92,7 @@ class HeatEffect : public Effect, public PairObserver {
 
   EffectRecord record(const RunState& s) const override;
   void restore(RunState& s, const EffectRecord& record) override;
+  std::vector<ItemHash> hashes(const RunState& s) const override;
   void add_log_columns(const RunState& s, const Energies&, std::vector<Column>& columns) const override;
   std::vector<PlanLine> plan(const RunState& s) const override;
 
@@ -104,6 +126,7 @@ class HeatEffect : public Effect, public PairObserver {
   std::vector<std::pair<std::int64_t, double>> source_of_id_;  // [W], by id
 
   std::optional<GasGaps> gas_;
+  std::optional<OuterHeat> outer_;
 
   std::vector<std::vector<Contact>> seen_;  // contacts whose forces were computed, by thread
   std::vector<Contact> contacts_;           // of this step, in the order of pairs
@@ -117,6 +140,7 @@ class HeatEffect : public Effect, public PairObserver {
   // present, of the bodies of this rank
   double critical_step_ = std::numeric_limits<double>::infinity();  // [s]
   std::int64_t critical_body_ = -1;
+  double critical_medium_ = 0;  // its conductance to its medium [W/K]
   double biot_ = 0;
 
   std::array<ExactSum, kHeatTotals> totals_;  // of this rank

@@ -15,6 +15,9 @@ namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
+/// In a record: after the totals, walls and what they keep.
+constexpr std::ptrdiff_t kFirstOuter = kHeatTotals + 2;
+
 }  // namespace
 
 EffectRecord HeatEffect::record(const RunState& s) const {
@@ -28,7 +31,21 @@ EffectRecord HeatEffect::record(const RunState& s) const {
     walls.integers.insert(walls.integers.end(), words.begin(), words.end());
   }
   record.push_back({.reals = pending_});
+  const EffectRecord outer = outer_ ? outer_->record(s) : EffectRecord(OuterHeat::kArrays);
+  record.insert(record.end(), outer.begin(), outer.end());
   return record;
+}
+
+/// Without what a program holds, and has not taken yet: temperatures follow from it, and what the program reads changes no state.
+std::vector<ItemHash> HeatEffect::hashes(const RunState& s) const {
+  EffectRecord kept = record(s);
+  kept.resize(static_cast<std::size_t>(kFirstOuter) + OuterHeat::kSums);
+  ItemHash h;
+  for (const StateArray& array : kept) {
+    for (const double value : array.reals) h.add(value);
+    for (const std::int64_t value : array.integers) h.add(value);
+  }
+  return {h};
 }
 
 void HeatEffect::restore(RunState& s, const EffectRecord& record) {
@@ -37,6 +54,8 @@ void HeatEffect::restore(RunState& s, const EffectRecord& record) {
   if (words.size() != to_bodies_.size() * ExactSum::kWords || pending.size() != pending_.size())
     throw InputError("heat of {} walls instead of {}; the file is damaged or of another scene", pending.size(), pending_.size());
   pending_ = pending;
+  const EffectRecord of_program(record.begin() + kFirstOuter, record.end());
+  if (!of_program.front().integers.empty()) outer().restore(s, of_program);
   if (s.comm.rank() != 0) return;
   for (std::size_t t = 0; t < kHeatTotals; ++t) totals_[t] = sum_of(record[t]);
   for (std::size_t w = 0; w < to_bodies_.size(); ++w) {
@@ -46,13 +65,15 @@ void HeatEffect::restore(RunState& s, const EffectRecord& record) {
   }
 }
 
-void HeatEffect::add_log_columns(const RunState& s, const Energies&, std::vector<Column>& columns) const {
+HeatMeasures HeatEffect::measure(const RunState& s) const {
   const ParticleSet& p = s.particles;
   const std::size_t walls = to_bodies_.size();
-  // totals, what is stored, then of each wall what it gave and what it gives
+  // totals, what is stored, of a program two sums, then of each wall what it gave and what it gives
   std::vector<ExactSum> sums(totals_.begin(), totals_.end());
   ExactSum& stored = sums.emplace_back();
   for (std::size_t i = 0; i < p.owned; ++i) add_heat_of(p, i, stored);
+  sums.push_back(outer_ ? outer_->from_program() : ExactSum{});
+  sums.push_back(outer_ ? outer_->from_medium() : ExactSum{});
   sums.insert(sums.end(), to_bodies_.begin(), to_bodies_.end());
   sums.insert(sums.end(), flow_now_.begin(), flow_now_.end());
   for (std::size_t k = 0; k < stored_.size(); ++k) {
@@ -70,7 +91,7 @@ void HeatEffect::add_log_columns(const RunState& s, const Energies&, std::vector
     }
   }
   add_over_ranks(s.comm.get(), sums);
-  const double critical = -s.comm.max(-critical_step_), biot = s.comm.max(biot_);
+  constexpr std::size_t kProgram = kHeatTotals + 1, kMedium = kProgram + 1, kWalls = kMedium + 1;
   ExactSum balance = sums[kHeatTotals];
   const auto subtract = [&](const ExactSum& sum) {
     ExactSum::Words words = sum.words();
@@ -81,24 +102,48 @@ void HeatEffect::add_log_columns(const RunState& s, const Energies&, std::vector
   };
   for (const HeatTotal total : {kMade, kFromSources, kArrived}) subtract(sums[total]);
   balance.add(sums[kRemoved]);
-  for (std::size_t w = 0; w < walls; ++w) subtract(sums[kHeatTotals + 1 + w]);
-  columns.push_back({"heat", "J", exact(sums[kHeatTotals].value())});
-  columns.push_back({"heat_balance", "J", exact(balance.value())});
-  for (std::size_t t = 0; t < kHeatTotals; ++t)
-    columns.push_back({fmt::format("heat_{}", kHeatTotalNames[t]), "J", exact(sums[t].value())});
-  columns.push_back({"heat_critical_step", "s", fmt::format("{:.6g}", critical)});
+  for (std::size_t k = kProgram; k < kWalls + walls; ++k) subtract(sums[k]);
+  HeatMeasures all;
+  all.stored = sums[kHeatTotals].value();
+  all.balance = balance.value();
+  for (std::size_t t = 0; t < kHeatTotals; ++t) all.totals[t] = sums[t].value();
+  all.from_program = sums[kProgram].value();
+  all.from_medium = sums[kMedium].value();
+  ExactSum of_walls;
+  for (std::size_t w = 0; w < walls; ++w) {
+    of_walls.add(sums[kWalls + w]);
+    all.from_walls.push_back(sums[kWalls + w].value());
+    all.flow_of_walls.push_back(sums[kWalls + walls + w].value());
+  }
+  all.from_all_walls = of_walls.value();
+  all.critical_step = -s.comm.max(-critical_step_);
+  all.biot = s.comm.max(biot_);
+  return all;
+}
+
+void HeatEffect::add_log_columns(const RunState& s, const Energies&, std::vector<Column>& columns) const {
+  const HeatMeasures all = measure(s);
+  const double biot = all.biot;
+  columns.push_back({"heat", "J", exact(all.stored)});
+  columns.push_back({"heat_balance", "J", exact(all.balance)});
+  for (std::size_t t = 0; t < kHeatTotals; ++t) columns.push_back({fmt::format("heat_{}", kHeatTotalNames[t]), "J", exact(all.totals[t])});
+  if (outer_) {
+    columns.push_back({"heat_from_program", "J", exact(all.from_program)});
+    columns.push_back({"heat_from_medium", "J", exact(all.from_medium)});
+  }
+  columns.push_back({"heat_critical_step", "s", fmt::format("{:.6g}", all.critical_step)});
   columns.push_back({"biot", "-", fmt::format("{:.6g}", biot)});
   if (biot > kLargestBiot && s.comm.rank() == 0) {
     warn_once("scree-solver",
               fmt::format("contacts conduct more than one temperature a body can stand for: the Biot number of a body is above {:g} "
-                          "(biot in log.csv); its temperature is then that of no place in it",
-                          kLargestBiot));
+                          "(biot in log.csv); its temperature is then that of no place in it{}",
+                          kLargestBiot, outer_ ? ". The conductance of the medium that a program gives counts as well" : ""));
   }
-  for (std::size_t w = 0; w < walls; ++w) {
+  for (std::size_t w = 0; w < to_bodies_.size(); ++w) {
     const Wall& wall = s.scene.source().walls[w];
     if (wall.heat.kind == WallHeatKind::adiabatic) continue;
-    columns.push_back({fmt::format("wall{}_heat", wall.id), "J", exact(sums[kHeatTotals + 1 + w].value())});
-    columns.push_back({fmt::format("wall{}_heat_flow", wall.id), "W", exact(sums[kHeatTotals + 1 + walls + w].value())});
+    columns.push_back({fmt::format("wall{}_heat", wall.id), "J", exact(all.from_walls[w])});
+    columns.push_back({fmt::format("wall{}_heat_flow", wall.id), "W", exact(all.flow_of_walls[w])});
     if (wall.heat.kind == WallHeatKind::flux) columns.push_back({fmt::format("wall{}_heat_kept", wall.id), "J", exact(pending_[w])});
   }
 }
@@ -109,6 +154,10 @@ std::vector<PlanLine> HeatEffect::plan(const RunState& s) const {
   const std::size_t bodies = scene.bodies.size();
   lines.emplace_back("heat", fmt::format("one temperature a body, {} bodies; no contact is computed in lanes{}", bodies,
                                          friction_heat_ ? "; what contacts dissipate heats both sides" : ""));
+  if (outer_) {
+    const auto sources = static_cast<double>(outer_->source_count()), media = static_cast<double>(outer_->medium_count());
+    lines.emplace_back("heat of a program", fmt::format("on this rank sources of {:.0f} bodies, media of {:.0f}", sources, media));
+  }
   if (s.scene.is_frozen()) lines.emplace_back("frozen", "bodies and contacts stay as they are; conduction sets the step");
   if (gas_) {
     const Heat& heat = *scene.settings.heat;

@@ -1,7 +1,7 @@
 #include "solver/effects/outer_forces/wrench_table.hpp"
 
 #include <algorithm>
-#include <numeric>
+#include <utility>
 
 #include "core/base/error.hpp"
 
@@ -14,30 +14,8 @@ WrenchTable table_of(const WrenchById& of) {
   return table;
 }
 
-std::vector<std::int32_t> rows_by_id(const ParticleSet& p) {
-  std::vector<std::int32_t> rows(p.owned);
-  std::iota(rows.begin(), rows.end(), 0);
-  std::sort(rows.begin(), rows.end(),
-            [&p](std::int32_t l, std::int32_t r) { return p.id[static_cast<std::size_t>(l)] < p.id[static_cast<std::size_t>(r)]; });
-  return rows;
-}
-
-std::vector<WrenchOnBody> of_all_ranks(const RunState& s, const std::vector<WrenchOnBody>& mine) {
-  std::vector<WrenchOnBody> all = s.comm.of_all(mine);
-  if (!std::is_sorted(all.begin(), all.end(), has_lower_id)) std::sort(all.begin(), all.end(), has_lower_id);
-  return all;
-}
-
 std::vector<std::int32_t> checked_rows(const RunState& s, const std::vector<WrenchOnBody>& all, const std::vector<std::int32_t>& by_id) {
-  std::vector<std::int32_t> rows;
-  std::vector<std::uint8_t> state, of_any(all.size(), 0);  // 0: not here, 1: here, 2: here and fixed
-  rows.reserve(all.size());
-  state.reserve(all.size());
-  join_rows(s.particles, all, by_id, [&](const WrenchOnBody&, std::int32_t row) {
-    rows.push_back(row);
-    state.push_back(row < 0 ? 0 : s.particles.fixed[static_cast<std::size_t>(row)] ? 2 : 1);
-  });
-  MPI_Allreduce(state.data(), of_any.data(), static_cast<int>(state.size()), MPI_UINT8_T, MPI_MAX, s.comm.get());
+  NamedBodies found = find_named(s, all, by_id);
   mpi::on_root(s.comm, [&] {
     for (std::size_t k = 0; k < all.size(); ++k) {
       if (k > 0 && all[k].id == all[k - 1].id)
@@ -45,30 +23,14 @@ std::vector<std::int32_t> checked_rows(const RunState& s, const std::vector<Wren
       if (!is_finite(all[k].wrench.force) || !is_finite(all[k].wrench.torque))
         throw UsageError("outer force: body {} gets a force or torque that is not a finite number; check what it is computed from",
                          all[k].id);
-      if (of_any[k] == 0)
+      if (found.kinds[k] == NamedBodies::unknown)
         throw UsageError("outer force: no body of the run has the id {}; it is a wall, has left, or was never there: take ids from bodies",
                          all[k].id);
-      if (of_any[k] == 2) throw UsageError("outer force: body {} is fixed, and no force moves it; leave it out", all[k].id);
+      if (found.kinds[k] == NamedBodies::is_fixed)
+        throw UsageError("outer force: body {} is fixed, and no force moves it; leave it out", all[k].id);
     }
   });
-  return rows;
-}
-
-void travel(const RunState& s, WrenchTable& of, const std::vector<std::int32_t>& by_id) {
-  const auto is_same_body = [](const WrenchOnBody& l, const WrenchOnBody& r) { return l.id == r.id; };
-  WrenchTable stay;
-  std::vector<WrenchOnBody> lost;
-  join_rows(s.particles, of, by_id, [&](const WrenchOnBody& entry, std::int32_t row) { (row < 0 ? lost : stay).push_back(entry); });
-  const std::size_t mine = stay.size();
-  std::vector<WrenchOnBody> all = of_all_ranks(s, lost);
-  // a restart gives everything to every rank
-  all.erase(std::unique(all.begin(), all.end(), is_same_body), all.end());
-  join_rows(s.particles, all, by_id, [&](const WrenchOnBody& entry, std::int32_t row) {
-    if (row >= 0) stay.push_back(entry);
-  });
-  std::inplace_merge(stay.begin(), stay.begin() + static_cast<std::ptrdiff_t>(mine), stay.end(), has_lower_id);
-  stay.erase(std::unique(stay.begin(), stay.end(), is_same_body), stay.end());
-  of = std::move(stay);
+  return std::move(found.row);
 }
 
 void travel(const RunState& s, WrenchById& of, const std::vector<std::int32_t>& by_id) {

@@ -19,6 +19,12 @@ int main(int argc, char** argv) {
     } catch (const scree::EngineError& error) {
       std::printf("%d %s\n", error.code(), error.what());
     }
+    try {
+      engine.set_heat_source({&unknown, 1}, {force + 2, 1});
+      return 1;
+    } catch (const scree::EngineError& error) {
+      if (error.code() != SCREE_USAGE || std::string(error.what()).find("the scene has no heat") == std::string::npos) return 1;
+    }
     scree::Engine closed(argv[1]);
     closed.close();
     closed.close();
@@ -31,6 +37,11 @@ int main(int argc, char** argv) {
                                              closed.set_wrench({&unknown, 1}, force);
                                            },
                                            [&] { closed.add_force({}); },
+                                           [&] { (void)closed.heat(); },
+                                           [&] { closed.set_medium({}, force, force); },
+                                           [&] {
+                                             (void)closed.take_medium_heat({&unknown, 1});
+                                           },
                                            [&] { (void)closed.save(); },
                                            [&] { (void)closed.is_over(); }};
     for (const auto& call : calls) {
