@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <vector>
 
@@ -110,6 +111,8 @@ class Estimates {
     }
     std::sort(masses_.begin(), masses_.end());
     for (const Inlet& inlet : scene_.inlets) mean_masses_.push_back(mean_mass(scene_, inlet));
+    std::error_code ignored;  // a scene that cannot be looked at was not read
+    scene_bytes_ = static_cast<double>(std::filesystem::file_size(loaded.path, ignored));
     steps_ = step_.step > 0 ? static_cast<std::int64_t>(std::ceil(settings_.duration / step_.step)) : 0;
   }
   std::int64_t steps() const { return steps_; }
@@ -164,6 +167,14 @@ class Estimates {
     double all = 0;
     for (std::size_t i = 0; i < scene_.inlets.size(); ++i) all += inflow_by(scene_.inlets[i], mean_masses_[i], time);
     return all;
+  }
+
+  /// The mean of bodies_at() over the run.
+  double mean_bodies() const {
+    constexpr int kTimes = 100;
+    double sum = 0;
+    for (int k = 0; k < kTimes; ++k) sum += bodies_at((k + 0.5) / kTimes * settings_.duration) / kTimes;
+    return sum;
   }
 
   /// How long what is there falls, and what comes in [s]: with the speed of the fastest impact.
@@ -227,7 +238,9 @@ class Estimates {
       line("", fmt::format("that is until {}; the run may end sooner ({})", format_quantity(settings_.duration, Dimension::time),
                            settings_.stop_at_rest ? "time.stop_at_rest" : "time.stop_when_empty"));
     if (settings_.sleep) line("", "bodies that sleep (time.sleep) take about a fiftieth of that");
-    if (!scene_.outlets.empty()) line("", "if no body leaves");
+    if (!scene_.outlets.empty())
+      line("", fmt::format("if no body leaves: {:.0f} bodies on the mean; otherwise in proportion to the bodies that are there",
+                           mean_bodies()));
     add_load(pace);
     add_cores();
   }
@@ -254,20 +267,22 @@ class Estimates {
 
   void add_disk(const Pace& pace) {
     const double frames = settings_.output_every > 0 ? std::floor(settings_.duration / settings_.output_every) + 1 : 101;
-    const double bodies = static_cast<double>(scene_.bodies.size());
+    const double fixed = static_cast<double>(scene_.bodies.size() - masses_.size()), bodies = fixed + mean_bodies();
     const double bare = kFrameOverhead + static_cast<double>(frame_rows_bytes(static_cast<std::int64_t>(bodies), 0));
     const double at_rest = settings_.output_contacts ? std::max(static_cast<double>(pace.contacts), contacts_at_rest()) : 0;
     const double full = bare + static_cast<double>(frame_rows_bytes(0, static_cast<std::int64_t>(at_rest)));
     // what falls comes to rest after about the time of the longest fall, and contacts form one after the other until then
     const double g = length(settings_.gravity), fall = g > 0 && pace.contacts < at_rest / 2 ? settings_.impact_speed / g : 0;
-    const double share = settings_.duration > 0 ? 1 - std::min(1.0, fall / (2 * settings_.duration)) : 1;
+    const double of_bodies = mean_bodies() / std::max(1.0, bodies_at(settings_.duration));  // contacts go with those that are there
+    const double share = of_bodies * (settings_.duration > 0 ? 1 - std::min(1.0, fall / (2 * settings_.duration)) : 1);
     const double walls = static_cast<double>(scene_.walls.size());
     const double log = frames * kRowsPerFrame * (kLogRow + 200 * walls);
-    const double checkpoint = kCheckpointOverhead + kCheckpointBody * bodies + kCheckpointSpring * at_rest;
-    line("disk", fmt::format("about {}: {:.0f} frames of {}{}, log {}, a checkpoint {}",
-                             bytes_text(frames * (bare + share * (full - bare)) + log + checkpoint), frames, bytes_text(bare),
-                             full > bare ? fmt::format(" ({} once {:.0f} contacts have formed)", bytes_text(full), at_rest) : "",
-                             bytes_text(log), bytes_text(checkpoint)));
+    const double checkpoint = kCheckpointOverhead + kCheckpointBody * (fixed + bodies_at(settings_.duration)) + kCheckpointSpring * at_rest;
+    line("disk",
+         fmt::format("about {}: {:.0f} frames of {}{}, log {}, two checkpoints of {}, the scene {}",
+                     bytes_text(frames * (bare + share * (full - bare)) + log + 2 * checkpoint + scene_bytes_), frames, bytes_text(bare),
+                     full > bare ? fmt::format(" ({} once {:.0f} contacts have formed)", bytes_text(full), at_rest) : "", bytes_text(log),
+                     bytes_text(checkpoint), bytes_text(scene_bytes_)));
     if (full > 1.5 * bare) line("", fmt::format("output.contacts = false makes frames {:.1f} times smaller", full / bare));
   }
 
@@ -331,6 +346,7 @@ class Estimates {
   std::vector<double> mean_masses_;  ///< of the bodies of each inlet [kg]
   std::vector<double> masses_;       ///< of the bodies that move, ascending [kg]
   std::int64_t steps_ = 0;
+  double scene_bytes_ = 0;
   std::string text_;
 };
 
