@@ -3,6 +3,7 @@ import hashlib
 import json
 import math
 import os
+import re
 import shutil
 import time
 
@@ -11,7 +12,7 @@ import numpy
 
 from model import toml_value
 from relations import NotApplicable, Violation, relation, require
-from tools import Run, Scene, end_all, read_json
+from tools import Refused, Run, Scene, end_all, read_json
 
 MEASURED = ("imbalance", "ghosts", "bytes_sent", "steps_per_second")   # columns of log.csv that are no physics; times too
 # of run.json: what the physics is, whoever computed it
@@ -439,7 +440,16 @@ def set_against_edited(trial):
             continue
         set_key(case, key.split("."), value)
         changes += ["--set", f"{key}={value if isinstance(value, str) else toml_value(value)}"]
-    by_set = trial.tools.pack(trial.case, *changes)
+    try:
+        by_set = trial.tools.pack(trial.case, *changes)
+    except Refused as reason:  # with another seed a body may find no place, and then it finds none in the edited file
+        try:
+            trial.tools.pack(case)
+        except Refused as other:
+            reasons = {re.sub(r".*\.toml(:\d+)?: ", "", str(each), flags=re.S) for each in (reason, other)}
+            require(len(reasons) == 1, f"{changes} is refused otherwise than the edited file: {reasons}")
+            raise NotApplicable("what is set is refused, as in the edited file") from other
+        raise Violation(f"{changes} is refused, the edited file is not: {reason}") from reason
     by_hand = trial.tools.pack(case)
     found = scene_difference(by_hand, by_set)
     require(not found, f"{changes} makes another scene than the edited file: {found}")
