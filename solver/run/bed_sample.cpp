@@ -24,9 +24,8 @@ std::vector<BodyRow> candidates_of(const Scene& scene) {
     if (scene.bodies.fixed[b] == 0) rows.push_back(scene.bodies.row(b));
   }
   for (const Inlet& inlet : scene.inlets) {
-    const SizeSampler* sizes = nullptr;
-    std::optional<SizeSampler> sampler;
-    if (inlet.size) sizes = &sampler.emplace(*inlet.size);
+    std::optional<SizeSampler> sizes;
+    if (inlet.size) sizes.emplace(*inlet.size);
     for (const Inlet::Share& share : inlet.shares) {
       const auto count = static_cast<std::size_t>(std::ceil(share.share * kMostBodies));
       for (std::size_t n = 0; n < count; ++n) {
@@ -34,7 +33,7 @@ std::vector<BodyRow> candidates_of(const Scene& scene) {
         row.shape = share.shape;
         row.material = inlet.material;
         row.temperature = inlet.temperature;
-        if (sizes != nullptr) {
+        if (sizes) {
           const double diameter = sizes->diameter((static_cast<double>(n) + 0.5) / static_cast<double>(count));
           row.scale = scale_of(inlet.size, scene.shapes[static_cast<std::size_t>(share.shape)], diameter);
         }

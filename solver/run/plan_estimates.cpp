@@ -32,8 +32,8 @@ constexpr double kRowsPerFrame = 10;  // of log.csv, see make_schedule
 /// Contacts a body has in a heap at rest: 4 to 6 neighbours, each shared by two; some corners and edges of meshes for each.
 constexpr double kContactsAtRest = 2.4;
 
-/// A step of a bed over one of the same bodies as they fall, of balls and of meshes, about, before a sample tells.
-constexpr double kBedOverFallOfBalls = 4, kBedOverFallOfMeshes = 25;
+/// Processor time of a body and step in a bed [s], balls and meshes, about, before a sample tells (see kMeshesPerThread).
+constexpr double kBallInBed = 0.5e-6, kMeshInBed = 5e-6;
 /// How far off an estimate may be: walls, what they record and what stirs the bed are not in the sample, and a large bed fits no cache.
 /// From the runs of tests/benchmarks/plan, those with outlets apart.
 constexpr double kSpread = 2.5;
@@ -120,7 +120,7 @@ class Estimates {
   /// Whether most contacts are still to form, in a run that is long enough for a sample to be worth its time.
   bool needs_sample(const Pace& pace) const {
     constexpr double kLongRun = 20;  // [s]
-    return contacts_at_rest() > 2 * static_cast<double>(pace.contacts) && guess(pace) > kLongRun;
+    return pace.steps > 0 && contacts_at_rest() > 2 * static_cast<double>(pace.contacts) && guess() > kLongRun;
   }
   /// Processor time of a body and step, the mean over the run [s].
   double time_of_body(const Pace& pace) const {
@@ -129,10 +129,10 @@ class Estimates {
     return of_step / std::max(1.0, bodies_at(0));
   }
   /// Processor time that a sample may take [s]: a tenth of what the run may take, and no more than a user waits for.
-  double sample_budget(const Pace& pace) const { return std::clamp(0.1 * guess(pace), 5.0, 20.0); }
+  double sample_budget() const { return std::clamp(0.1 * guess(), 5.0, 20.0); }
+  void take(const std::optional<BedSample>& bed) { bed_ = bed; }
 
-  std::string text(const Pace& pace, double memory, const std::optional<BedSample>& bed) {
-    bed_ = bed;
+  std::string text(const Pace& pace, double memory) {
     if (pace.steps > 0) add_time(pace);
     line("memory in all",
          fmt::format("{} now{}{}", bytes_text(memory), comm_.size() > 1 ? ", of all ranks together" : "",
@@ -145,13 +145,15 @@ class Estimates {
  private:
   void line(const std::string& what, const std::string& value) { text_ += fmt::format("  {:<13} {}\n", what, value); }
 
-  /// Time of the run as a bed [s], before a sample tells. Where no body is there yet, an inlet will bring them: long.
-  double guess(const Pace& pace) const {
-    if (masses_.empty()) return 1e300;
-    const bool balls = std::all_of(scene_.bodies.shape.begin(), scene_.bodies.shape.end(), [&](std::int32_t shape) {
-      return scene_.shapes[static_cast<std::size_t>(shape)].kind == ShapeKind::sphere;
-    });
-    return (balls ? kBedOverFallOfBalls : kBedOverFallOfMeshes) * pace.per_step() * static_cast<double>(steps_);
+  /// Time of the run as a bed [s], before a sample tells.
+  double guess() const {
+    const auto is_mesh = [&](std::int32_t shape) { return scene_.shapes[static_cast<std::size_t>(shape)].kind != ShapeKind::sphere; };
+    const bool meshes =
+        std::any_of(scene_.bodies.shape.begin(), scene_.bodies.shape.end(), is_mesh) ||
+        std::any_of(scene_.inlets.begin(), scene_.inlets.end(), [&](const Inlet& inlet) {
+          return std::any_of(inlet.shares.begin(), inlet.shares.end(), [&](const Inlet::Share& share) { return is_mesh(share.shape); });
+        });
+    return (meshes ? kMeshInBed : kBallInBed) * mean_bodies() * static_cast<double>(steps_);
   }
 
   /// Contacts of a heap of all bodies, where gravity may make one.
@@ -361,10 +363,9 @@ std::string estimates_text(const mpi::Communicator& comm, const LoadedScene& loa
     return fmt::format("  wall time     none: the run ends in its first steps; {}\n", reason.what());
   }
   const double memory = comm.sum(resident());
-  std::optional<BedSample> bed;
-  if (pace.steps > 0 && estimates.needs_sample(pace))
-    bed = settle_sample(*loaded.prepared, simulation.state().clock.size.step, estimates.sample_budget(pace));
-  std::string text = estimates.text(pace, memory, bed);
+  if (estimates.needs_sample(pace))
+    estimates.take(settle_sample(*loaded.prepared, simulation.state().clock.size.step, estimates.sample_budget()));
+  std::string text = estimates.text(pace, memory);
   const BodiesToCut bodies = other_ranks > 0 ? bodies_to_cut(simulation) : BodiesToCut{};
   if (bodies.x.size() < static_cast<std::size_t>(other_ranks))
     return text + fmt::format("  {:<13} more than the {} bodies of the scene at its start: no estimate\n",

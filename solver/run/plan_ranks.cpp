@@ -29,15 +29,13 @@ StepOnRanks step_on_ranks(const BodiesToCut& bodies, double body, int ranks) {
   for (std::size_t i = 0; i < count; ++i) part[i] = partitioner.part_of(bodies.id[i], bodies.x[i]);
   const PartCounts counts = count_parts(part, bodies.x, bodies.reach, bodies.work, ranks);
 
-  double work = 0;
-  for (const double w : counts.work) work += w;
   StepOnRanks step;
   step.ranks = ranks;
   step.bodies_mean = static_cast<double>(count) / ranks;
   step.bodies_max = largest(counts.bodies);
   step.ghosts_max = largest(counts.ghosts);
   step.neighbours_max = largest(counts.neighbours);
-  step.imbalance = largest(counts.work) * ranks / work;
+  step.imbalance = imbalance(counts.work);
   const double own = step.bodies_mean * step.imbalance * body, ghosts = step.ghosts_max * kGhostOverBody * body;
   const double messages =
       ranks > 1 ? (step.neighbours_max + std::log2(static_cast<double>(ranks))) * kLatency + largest(counts.sent) / kBandwidth : 0;

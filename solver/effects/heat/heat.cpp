@@ -8,6 +8,7 @@
 #include "core/base/error.hpp"
 #include "solver/effects/heat/contact_losses.hpp"
 #include "solver/effects/heat/heat_effect.hpp"
+#include "solver/effects/heat/kept_sum.hpp"
 #include "solver/pairs/forces.hpp"
 #include "solver/ranks/failure.hpp"
 #include "solver/ranks/halo.hpp"
@@ -298,11 +299,7 @@ void HeatEffect::add_conducted(const RunState& s, const std::vector<double>& tem
 
 void HeatEffect::heat_body(ParticleSet& p, std::size_t row, double heat) {
   if (heat == 0) return;
-  // the new temperature, and what it lacks (D. Knuth, The Art of Computer Programming 2, 4.2.2)
-  const double change = heat / capacity(p, row) + p.temperature_remainder[row], before = p.temperature[row];
-  const double sum = before + change, part = sum - before;
-  p.temperature_remainder[row] = (before - (sum - part)) + (change - part);
-  p.temperature[row] = sum;
+  add_keeping_rest(heat / capacity(p, row), p.temperature[row], p.temperature_remainder[row]);
 }
 
 /// Two Euler steps, averaged. Collective.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/error.hpp"
+#include "solver/effects/heat/kept_sum.hpp"
 
 namespace scree {
 
@@ -20,14 +21,6 @@ std::vector<Id> ids_of(const std::vector<std::int64_t>& numbers) {
   ids.reserve(numbers.size());
   for (const std::int64_t number : numbers) ids.push_back({number});
   return ids;
-}
-
-/// A sum that keeps what rounding takes from it (D. Knuth, The Art of Computer Programming 2, 4.2.2).
-void add_exactly(double term, double& sum, double& remainder) {
-  const double before = sum, change = term + remainder;
-  sum = before + change;
-  const double part = sum - before;
-  remainder = (before - (sum - part)) + (change - part);
 }
 
 }  // namespace
@@ -179,7 +172,7 @@ void OuterHeat::count_passed(double dt, const std::vector<double>& first, const 
     const auto row = static_cast<std::size_t>(e.row);
     const double heat = dt * (0.5 * e.conductance * ((e.medium - first[row]) + (e.medium - second[row])));
     from_medium_.add(heat);
-    add_exactly(heat, e.passed, e.remainder);
+    add_keeping_rest(heat, e.passed, e.remainder);
   }
 }
 
@@ -211,8 +204,8 @@ void OuterHeat::after_migration(const RunState& s, bool left) {
       departed_.insert(at, entry);
       continue;
     }
-    add_exactly(entry.passed, at->passed, at->remainder);  // it has left before, came in again, and nothing was taken since
-    add_exactly(entry.remainder, at->passed, at->remainder);
+    add_keeping_rest(entry.passed, at->passed, at->remainder);  // it has left before, came in again, and nothing was taken since
+    add_keeping_rest(entry.remainder, at->passed, at->remainder);
   }
 }
 
