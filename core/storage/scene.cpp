@@ -27,6 +27,7 @@ void BodyTable::add(const BodyRow& r) {
   population.push_back(r.population);
   temperature.push_back(r.temperature);
   heat_source.push_back(r.heat_source);
+  heat_table.push_back(r.heat_table);
 }
 
 BodyRow BodyTable::row(std::size_t i) const {
@@ -42,7 +43,8 @@ BodyRow BodyTable::row(std::size_t i) const {
           lock_rotation[i] != 0,
           population[i],
           i < temperature.size() ? temperature[i] : 0,
-          i < heat_source.size() ? heat_source[i] : 0};
+          i < heat_source.size() ? heat_source[i] : 0,
+          i < heat_table.size() ? heat_table[i] : -1};
 }
 
 const MaterialPair& Scene::pair(std::int32_t a, std::int32_t b) const {

@@ -13,6 +13,7 @@
 #include "core/storage/scene_words.hpp"
 #include "core/storage/shape_file.hpp"
 #include "core/storage/size_distribution.hpp"
+#include "core/storage/time_table.hpp"
 #include "core/storage/wall_motion.hpp"
 #include "core/storage/wall_surface.hpp"
 
@@ -86,6 +87,7 @@ struct BodyRow {
   std::int32_t population = -1;
   double temperature = 0;  ///< [K], of scenes with heat
   double heat_source = 0;  ///< [W], the same
+  std::int32_t heat_table = -1;
 };
 
 /// Bodies, one row each. Orientation and position are those of the mesh as the user knows it.
@@ -102,8 +104,9 @@ struct BodyTable {
   std::vector<std::int32_t> population;       ///< index of its [[populations]] entry, -1 for [[bodies]]
   std::vector<std::int32_t> owner;            ///< rank of the pre-partition; empty when not partitioned
   // of scenes with heat; may be empty in others
-  std::vector<double> temperature;  ///< [K]
-  std::vector<double> heat_source;  ///< power given to the body at all times [W]
+  std::vector<double> temperature;       ///< [K]
+  std::vector<double> heat_source;       ///< power given to the body at all times [W]
+  std::vector<std::int32_t> heat_table;  ///< index into Heat::source_tables, whose power is given as well; -1: none
 
   std::size_t size() const { return id.size(); }
   /// Appends a row; the table must have no owners.
@@ -115,9 +118,9 @@ struct BodyTable {
 /// What a wall is to the heat of the bodies that touch it.
 struct WallHeat {
   WallHeatKind kind = WallHeatKind::adiabatic;
-  double temperature = 0;  ///< isothermal: of the wall; exchange: outside [K]
-  double flux = 0;         ///< flux: given to the bodies that touch, all together [W]; below 0: taken
-  double coefficient = 0;  ///< exchange: from outside to the contact, for each area of contact [W/(m^2 K)]
+  TimeTable temperature = TimeTable::constant(0);  ///< isothermal: of the wall; exchange: outside [K]
+  TimeTable flux = TimeTable::constant(0);         ///< flux: given to the bodies that touch, all together [W]; below 0: taken
+  double coefficient = 0;                          ///< exchange: from outside to the contact, for each area of contact [W/(m^2 K)]
   bool has_temperature() const { return kind == WallHeatKind::isothermal || kind == WallHeatKind::exchange; }
 };
 
@@ -229,11 +232,12 @@ inline constexpr double kSolidOverGas = 10;
 
 /// Bodies have temperatures, and contacts conduct.
 struct Heat {
-  double temperature = 0;       ///< [K] of bodies that are not given theirs; 0: all are
-  bool friction_heat = false;   ///< what contacts dissipate heats their bodies
-  bool frozen = false;          ///< bodies and contacts stay as they are; conduction alone sets the step
-  double gas_conductivity = 0;  ///< of the gas in gaps [W/(m K)]; 0: gaps do not conduct
-  double gas_range = 0;         ///< widest gap that conducts [m]
+  double temperature = 0;                  ///< [K] of bodies that are not given theirs; 0: all are
+  bool friction_heat = false;              ///< what contacts dissipate heats their bodies
+  bool frozen = false;                     ///< bodies and contacts stay as they are; conduction alone sets the step
+  double gas_conductivity = 0;             ///< of the gas in gaps [W/(m K)]; 0: gaps do not conduct
+  double gas_range = 0;                    ///< widest gap that conducts [m]
+  std::vector<TimeTable> source_tables{};  ///< power of each body that has one of them [W]
   bool has_gas() const { return gas_conductivity > 0; }
 };
 

@@ -3,6 +3,7 @@
 // relies on, so that a damaged file stops here with its name and not in a kernel.
 #include "core/storage/scene_file.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <new>
 #include <nlohmann/json.hpp>
@@ -43,6 +44,9 @@ void write_bodies(const h5::Group& group, const BodyTable& bodies, bool has_heat
   if (has_heat) {
     group.write_array("temperature", bodies.temperature, 1, "K");
     group.write_array("heat_source", bodies.heat_source, 1, "W");
+    const auto has_table = [](std::int32_t table) { return table >= 0; };
+    if (std::any_of(bodies.heat_table.begin(), bodies.heat_table.end(), has_table))
+      group.write_array("heat_table", bodies.heat_table, 1, "");
   }
   if (!bodies.owner.empty()) group.write_array("owner", bodies.owner, 1, "");
 }
@@ -64,6 +68,7 @@ BodyTable read_bodies(const h5::Group& group, const Scene& scene) {
   if (scene.settings.heat) {
     b.temperature = group.read_array<double>("temperature", 1);
     b.heat_source = group.read_array<double>("heat_source", 1);
+    b.heat_table = group.has("heat_table") ? group.read_array<std::int32_t>("heat_table", 1) : std::vector<std::int32_t>(b.id.size(), -1);
   }
 
   const std::size_t n = b.id.size();
@@ -84,6 +89,7 @@ BodyTable read_bodies(const h5::Group& group, const Scene& scene) {
   if (scene.settings.heat) {
     demand_rows(b.temperature.size(), "temperature");
     demand_rows(b.heat_source.size(), "heat_source");
+    demand_rows(b.heat_table.size(), "heat_table");
   }
 
   for (std::size_t i = 0; i < n; ++i) {
@@ -104,6 +110,9 @@ BodyTable read_bodies(const h5::Group& group, const Scene& scene) {
       if (!(b.temperature[i] > 0) || !std::isfinite(b.temperature[i]))
         throw wrong(fmt::format("temperature {:g} found, a value > 0 [K] expected", b.temperature[i]));
       if (!std::isfinite(b.heat_source[i])) throw wrong("the heat source is not a finite number");
+      const std::size_t tables = scene.settings.heat->source_tables.size();
+      if (b.heat_table[i] < -1 || b.heat_table[i] >= static_cast<std::int32_t>(tables))
+        throw wrong(fmt::format("heat_table {} found, but there are {} tables of heat sources", b.heat_table[i], tables));
       if (!scene.materials[static_cast<std::size_t>(b.material[i])].has_heat())
         throw wrong("its material lacks heat_capacity or conductivity, which a scene with heat needs");
     }

@@ -84,8 +84,8 @@ json wall_json(const Wall& wall) {
   if (wall.wear > 0) j["wear"] = {{"coefficient", wall.wear}, {"every", wall.wear_every}};
   if (wall.heat.kind != WallHeatKind::adiabatic) {
     j["heat"] = {{"kind", word_of(wall.heat.kind)},
-                 {"temperature", wall.heat.temperature},
-                 {"flux", wall.heat.flux},
+                 {"temperature", wall.heat.temperature.json()},
+                 {"flux", wall.heat.flux.json()},
                  {"coefficient", wall.heat.coefficient}};
   }
   return j;
@@ -129,7 +129,7 @@ json inlet_json(const Inlet& inlet) {
   j["velocity"] = to_json(inlet.velocity);
   j["angular_velocity"] = to_json(inlet.angular_velocity);
   if (inlet.temperature > 0) j["temperature"] = inlet.temperature;
-  j["rate"] = {{"of", inlet.rate.by_number ? "number" : "mass"}, {"time", inlet.rate.time}, {"rate", inlet.rate.rate}};
+  j["rate"] = {{"of", inlet.rate.by_number ? "number" : "mass"}, {"time", inlet.rate.rate.time}, {"rate", inlet.rate.rate.value}};
   j["start"] = inlet.start;
   j["stop"] = inlet.stop;
   j["limit"] = inlet.limit;
@@ -166,6 +166,10 @@ Settings read_settings(const JsonObject& o) {
     const JsonObject heat = o.object("heat");
     JsonKeyReader heat_reader(heat);
     heat_keys(heat_reader, s.heat.emplace());
+    if (heat.has("source_tables")) {  // added later
+      for (const JsonObject& table : heat.objects("source_tables"))
+        s.heat->source_tables.push_back(TimeTable::read(table, "power", "powers"));
+    }
   }
   return s;
 }
@@ -261,8 +265,10 @@ Wall read_wall(const JsonObject& o, std::size_t material_count, const std::vecto
   if (o.has("heat")) {  // added later
     const JsonObject heat = o.object("heat");
     wall.heat.kind = heat.word<WallHeatKind>("kind");
-    wall.heat.temperature = wall.heat.has_temperature() ? heat.positive("temperature") : heat.at_least("temperature", 0);
-    wall.heat.flux = heat.number("flux");
+    wall.heat.temperature = TimeTable::read(heat, "temperature", "temperatures");
+    if (wall.heat.has_temperature() && !(wall.heat.temperature.least() > 0))
+      throw InputError("{}.temperature: {:g} found, a value > 0 expected", heat.where(), wall.heat.temperature.least());
+    wall.heat.flux = TimeTable::read(heat, "flux", "powers");
     wall.heat.coefficient = wall.heat.kind == WallHeatKind::exchange ? heat.positive("coefficient") : heat.at_least("coefficient", 0);
   }
   return wall;
@@ -341,7 +347,7 @@ Inlet read_inlet(const JsonObject& o, const Scene& scene) {
           o.where(), material.name);
   }
   const JsonObject rate = o.object("rate");
-  inlet.rate = {rate.text("of") == "number", rate.numbers("time"), rate.numbers("rate")};
+  inlet.rate = {rate.text("of") == "number", {rate.numbers("time"), rate.numbers("rate")}};
   if (const auto fault = inlet.rate.fault()) throw InputError("{}: {}", rate.where(), *fault);
   inlet.start = o.number("start");
   inlet.stop = o.number("stop");
@@ -376,6 +382,7 @@ json settings_json(const Scene& scene) {
   if (s.heat) {
     JsonKeyWriter heat_writer(t["heat"]);
     heat_keys(heat_writer, *s.heat);
+    for (const TimeTable& table : s.heat->source_tables) t["heat"]["source_tables"].push_back({{"power", table.json()}});
   }
   j["materials"] = json::array();
   for (Material m : scene.materials) {

@@ -55,6 +55,7 @@ struct CaseBody {
   bool fixed = false, lock_rotation = false;
   Vec3 force;                               ///< [N] at all times, world
   double temperature = 0, heat_source = 0;  ///< [K], [W] of scenes with heat
+  std::int32_t heat_table = -1;             ///< the same: index into Heat::source_tables
 };
 
 /// A part of space, such as where a population may lie: one of these.
@@ -90,8 +91,9 @@ struct CasePopulation : CaseSource {
   Amount amount = Amount::count;
   double value = 0;  ///< count [-], mass [kg] or solid fraction of the region [-]
   PackingMethod method = PackingMethod::random;
-  double jitter = 0.5;     ///< lattice: share of the free room of a cell that is used
-  double heat_source = 0;  ///< [W] of each body, of scenes with heat
+  double jitter = 0.5;           ///< lattice: share of the free room of a cell that is used
+  double heat_source = 0;        ///< [W] of each body, of scenes with heat
+  std::int32_t heat_table = -1;  ///< the same: index into Heat::source_tables
 };
 
 /// [[inlets]]: what it draws, and an Inlet without its region, shares and size.

@@ -212,7 +212,7 @@ void body_section(CaseKeys& k, Case& c) {
   k.boolean({"lock_rotation", "", "translates only"}, b.lock_rotation);
   k.vector({"force", "", "on its centre, at all times, beside gravity"}, b.force, Dimension::force);
   temperature_key(k, c, b.temperature);
-  heat_source_key(k, c, b.heat_source);
+  heat_source_key(k, c, b.heat_source, b.heat_table);
   const CaseTable* t = k.table();
   if (t == nullptr) return;
   b.where = t->where();

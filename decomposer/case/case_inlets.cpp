@@ -18,33 +18,16 @@ void name_key(CaseKeys& k, const char* kind, const std::vector<Item>& others, st
   }
 }
 
-/// A rate, or a table of rates.
-void rate_key(CaseKeys& k, const char* key, const char* otherwise, const char* meaning, Dimension dimension, bool is_given,
-              FeedRate& rate) {
-  const CaseTable* t = k.table();
-  const bool is_table = t != nullptr && t->is_table(key);
-  if (k.when(!is_table)) {
-    double constant = 0;
-    k.number({key, otherwise, meaning}, constant, dimension, Range::positive);
-    if (is_given) rate = {dimension == Dimension::frequency, {0}, {constant}};
-  }
-  if (k.when(is_table)) {
-    FeedRate table;
-    table.by_number = dimension == Dimension::frequency;
-    k.section({key, otherwise, meaning}, [&](CaseKeys& below) {
-      below.numbers({"time", kRequired, "from `start`, ascending"}, table.time, Dimension::time);
-      below.numbers({"rate", kRequired, "linear in between, and as in the first and last row before and after"}, table.rate, dimension);
-    });
-    if (t == nullptr) return;
-    if (const auto fault = table.fault()) throw t->error(key, *fault);
-    rate = table;
-  }
-}
-
 void rate_keys(CaseKeys& k, FeedRate& rate) {
   const std::string given = k.one_of({"rate", "number_rate"});
-  rate_key(k, "rate", "or `number_rate`", "mass per time, or a table", Dimension::mass_rate, given == "rate", rate);
-  rate_key(k, "number_rate", "or `rate`", "bodies per time, or a table", Dimension::frequency, given == "number_rate", rate);
+  rate.by_number = given == "number_rate";
+  const auto rate_key = [&](const Key& key, Dimension dimension) {
+    over_time_key(k, key, "from `start`, ascending", "rate", "rates", dimension, Range::positive, rate.rate);
+  };
+  rate_key({"rate", "or `number_rate`", "mass per time, or a table"}, Dimension::mass_rate);
+  rate_key({"number_rate", "or `rate`", "bodies per time, or a table"}, Dimension::frequency);
+  if (k.table() == nullptr) return;
+  if (const auto fault = rate.fault()) throw k.table()->error(given, *fault);
 }
 
 void inlet_section(CaseKeys& k, Case& c) {

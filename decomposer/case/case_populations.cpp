@@ -174,10 +174,38 @@ void temperature_key(CaseKeys& k, const Case& c, double& temperature) {
     throw t->error("temperature", "is missing; expected a temperature such as \"293 K\" here, or one for all bodies in [heat]");
 }
 
-void heat_source_key(CaseKeys& k, const Case& c, double& power) {
-  k.number({"heat_source", "", "power given to each body at all times, with `[heat]`; below 0: taken from it"}, power, Dimension::power,
-           Range::any);
+void over_time_key(CaseKeys& k, const Key& key, const char* since, const char* column, const char* words, Dimension dimension, Range range,
+                   TimeTable& values) {
+  const CaseTable* t = k.table();
+  const bool is_given = t != nullptr && t->has(key.name), is_table = is_given && t->is_table(key.name);
+  if (k.when(!is_table)) {
+    double number = values.value.empty() ? 0 : values.value.front();
+    k.number(key, number, dimension, range);
+    if (is_given) values = TimeTable::constant(number);
+  }
+  if (!k.when(is_table)) return;
+  TimeTable table;
+  k.section(key, [&](CaseKeys& below) {
+    below.numbers({"time", kRequired, since}, table.time, Dimension::time);
+    below.numbers({column, kRequired, "linear in between, and as in the first and last row before and after"}, table.value, dimension);
+  });
+  if (t == nullptr) return;
+  if (const auto fault = table.fault(words)) throw t->error(key.name, *fault);
+  values = table;
+}
+
+void heat_source_key(CaseKeys& k, Case& c, double& power, std::int32_t& table) {
+  TimeTable values = TimeTable::constant(0);
+  over_time_key(k, {"heat_source", "0", "power given to each body, with `[heat]`; below 0: taken from it; or a table"},
+                "of the run, ascending", "power", "powers", Dimension::power, Range::any, values);
   refuse_without_heat(k, c, {"heat_source"});
+  if (k.table() == nullptr || !c.settings.heat) return;
+  if (values.is_constant()) {
+    power = values.value.front();
+    return;
+  }
+  table = static_cast<std::int32_t>(c.settings.heat->source_tables.size());
+  c.settings.heat->source_tables.push_back(values);
 }
 
 void region_section(CaseKeys& k, const Case& c, CaseRegion& region) {
@@ -250,7 +278,7 @@ void population_section(CaseKeys& k, Case& c) {
   k.vector({"velocity", "", "of all"}, p.velocity, Dimension::velocity);
   k.vector({"angular_velocity", "", "of all"}, p.angular_velocity, Dimension::angular_velocity);
   temperature_key(k, c, p.temperature);
-  heat_source_key(k, c, p.heat_source);
+  heat_source_key(k, c, p.heat_source, p.heat_table);
   if (t != nullptr) c.populations.push_back(p);
 }
 

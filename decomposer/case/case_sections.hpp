@@ -38,8 +38,13 @@ void region_section(CaseKeys& k, const Case& c, CaseRegion& region);
 void refuse_without_heat(const CaseKeys& k, const Case& c, std::initializer_list<const char*> keys);
 /// The temperature of bodies, of [heat] where they give none.
 void temperature_key(CaseKeys& k, const Case& c, double& temperature);
-/// Power given to each body.
-void heat_source_key(CaseKeys& k, const Case& c, double& power);
+/// Power given to each body; a table is added to those of [heat], and `table` is its index.
+void heat_source_key(CaseKeys& k, Case& c, double& power, std::int32_t& table);
+/// A number, or a table { time, `column` } of such numbers. `values` stays as it is where the key is absent.
+///   in   since   the meaning of the times     in   words   what the values are, for messages     in   range   of a number; tables are for
+///   the caller to check
+void over_time_key(CaseKeys& k, const Key& key, const char* since, const char* column, const char* words, Dimension dimension, Range range,
+                   TimeTable& values);
 
 /// { start, end, radius } and { centre, radius }, into the fields of a wall of that kind.
 void cylinder_keys(CaseKeys& k, Wall& wall);

@@ -312,17 +312,24 @@ void wall_heat_keys(CaseKeys& k, const Case& c, WallHeat& heat) {
                 : t->has("exchange")  ? WallHeatKind::exchange
                                       : WallHeatKind::adiabatic;
   }
-  k.number({"temperature", "no heat passes", "with `[heat]`: of the wall, at all times"}, heat.temperature, Dimension::temperature,
-           Range::positive);
-  k.number(
-      {"heat_flux", "no heat passes",
-       "with `[heat]`: a power, shared among the bodies that touch the wall in proportion to what their contacts conduct, and kept for "
-       "later while none touches; below 0: taken from them"},
-      heat.flux, Dimension::power, Range::any);
+  constexpr const char* kOfRun = "of the run, ascending";
+  const auto temperature_over_time = [&](CaseKeys& of, const char* otherwise, const char* meaning) {
+    over_time_key(of, {"temperature", otherwise, meaning}, kOfRun, "temperature", "temperatures", Dimension::temperature, Range::positive,
+                  heat.temperature);
+    if (of.table() != nullptr && of.table()->has("temperature") && !(heat.temperature.least() > 0))
+      throw of.table()->error("temperature",
+                              fmt::format("is {:g} K at one of the times; expected values above 0", heat.temperature.least()));
+  };
+  temperature_over_time(k, "no heat passes", "with `[heat]`: of the wall, or a table");
+  over_time_key(k,
+                {"heat_flux", "no heat passes",
+                 "with `[heat]`: a power, or a table, shared among the bodies that touch the wall in proportion to what their contacts "
+                 "conduct, and kept for later while none touches; below 0: taken from them"},
+                kOfRun, "power", "powers", Dimension::power, Range::any, heat.flux);
   k.section({"exchange", "no heat passes", "with `[heat]`: a temperature outside, behind a resistance"}, [&](CaseKeys& below) {
     below.number({"coefficient", kRequired, "from the outside to the contact, for each area of contact"}, heat.coefficient,
                  Dimension::heat_transfer, Range::positive);
-    below.number({"temperature", kRequired, "outside"}, heat.temperature, Dimension::temperature, Range::positive);
+    temperature_over_time(below, kRequired, "outside, or a table");
   });
 }
 

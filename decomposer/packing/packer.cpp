@@ -161,6 +161,7 @@ void Packer::place_given_bodies() {
     row.lock_rotation = b.lock_rotation;
     row.temperature = b.temperature;
     row.heat_source = b.heat_source;
+    row.heat_table = b.heat_table;
     scene_.bodies.add(row);
   }
 }

@@ -40,6 +40,7 @@ BodyRow row_of(const Case& c, const SceneParts& parts, const Draw& d, const Plac
   row.population = static_cast<std::int32_t>(d.population);
   row.temperature = p.temperature;
   row.heat_source = p.heat_source;
+  row.heat_table = p.heat_table;
   return row;
 }
 

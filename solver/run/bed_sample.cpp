@@ -125,6 +125,7 @@ class SampleScene {
         row.velocity = {0, 0, height_};  // a speed per length, until all heights are known
         row.angular_velocity = {};
         row.heat_source = 0;
+        row.heat_table = -1;
         const RandomNumbers random(kSeed, row.id, 0);
         const auto along = [&](std::size_t cell, double of_layer, std::uint64_t which) {
           return (static_cast<double>(cell) + of_layer) * side / static_cast<double>(across) +

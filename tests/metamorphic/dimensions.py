@@ -74,6 +74,9 @@ DIMENSIONS = {
     # temperatures keep their unit
     "materials.*.heat_capacity": (2, 0, -2), "materials.*.conductivity": (1, 1, -3), "materials.*.real_young": (-1, 1, -2),
     "pairs.*.contact_conductance": (0, 1, -3), "bodies.*.heat_source": (2, 1, -3), "populations.*.heat_source": (2, 1, -3),
+    "bodies.*.heat_source.time": (0, 0, 1), "bodies.*.heat_source.power": (2, 1, -3), "populations.*.heat_source.time": (0, 0, 1),
+    "populations.*.heat_source.power": (2, 1, -3), "walls.*.heat_flux.time": (0, 0, 1), "walls.*.heat_flux.power": (2, 1, -3),
+    "walls.*.temperature.time": (0, 0, 1), "walls.*.exchange.temperature.time": (0, 0, 1),
     "walls.*.heat_flux": (2, 1, -3), "heat.gas_conductivity": (1, 1, -3), "heat.gas_range": (1, 0, 0), "walls.*.exchange.coefficient": (0, 1, -3),
 }
 
@@ -98,7 +101,7 @@ PLAIN = {
     "walls.*.shape.disc.segments", "walls.*.shape.cone.segments", "walls.*.shape.cylinder.segments", "walls.*.shape.drum.segments",
     "walls.*.shape.hopper.segments", "walls.*.shape.drum.lifters.count",
     "heat.temperature", "bodies.*.temperature", "populations.*.temperature", "inlets.*.temperature", "walls.*.temperature",
-    "walls.*.exchange.temperature",
+    "walls.*.exchange.temperature", "walls.*.temperature.temperature", "walls.*.exchange.temperature.temperature",
 }
 
 

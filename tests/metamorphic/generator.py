@@ -1548,14 +1548,27 @@ def heat(d):
                 entry["temperature"] = own.uniform(250, 400)
             if tables != "inlets" and own.random() < 0.2:
                 entry["heat_source"] = power * own.uniform(-0.1, 2)
+    tables = random_numbers.Random(f"heat over time {d.case.note}")
+
+    def over_time(column, value, draw):
+        """A number, or a table whose rows may lie before, within and after the run."""
+        if tables.random() >= 0.3:
+            return value
+        time = sorted(max(d.duration, d.step_guess) * tables.uniform(-0.3, 1.3) for _ in range(tables.randint(1, 4)))
+        return {"time": time, column: [draw() for _ in time]}
+
+    for entry in [e for table in ("bodies", "populations") for e in d.words.get(table, [])]:
+        if "heat_source" in entry:
+            entry["heat_source"] = over_time("power", entry["heat_source"], lambda: power * tables.uniform(-0.1, 2))
     for wall in d.case.walls:
         kind = own.choice(["none", "temperature", "heat_flux", "exchange"])
         if kind == "temperature":
-            wall["temperature"] = own.uniform(250, 400)
+            wall["temperature"] = over_time("temperature", own.uniform(250, 400), lambda: tables.uniform(250, 400))
         if kind == "heat_flux":
-            wall["heat_flux"] = power * own.uniform(-0.1, 3)
+            wall["heat_flux"] = over_time("power", power * own.uniform(-0.1, 3), lambda: power * tables.uniform(-0.1, 3))
         if kind == "exchange":
             wall["exchange"] = {"coefficient": conductivity / d.radius * 10 ** own.uniform(-1, 3), "temperature": own.uniform(250, 400)}
+            wall["exchange"]["temperature"] = over_time("temperature", wall["exchange"]["temperature"], lambda: tables.uniform(250, 400))
     gas_and_stillness(d, random_numbers.Random(f"gas {d.case.note}"), table)
 
 

@@ -508,7 +508,8 @@ def heat_balance(trial):
     entries = [entry for table in ("bodies", "populations", "inlets") for entry in words.get(table, [])] + trial.case.walls
     if words["heat"].get("friction_heat") or any("heat_source" in e or "heat_flux" in e for e in entries) or "start" in words:
         return
-    known = [e["temperature"] for e in entries if "temperature" in e] + [w["exchange"]["temperature"] for w in trial.case.walls if "exchange" in w]
+    given = [e["temperature"] for e in entries if "temperature" in e] + [w["exchange"]["temperature"] for w in trial.case.walls if "exchange" in w]
+    known = [value for of in given for value in (of["temperature"] if isinstance(of, dict) else [of])]
     known += [words["heat"]["temperature"]] if "temperature" in words["heat"] else []
     for frame in run.frames:
         t = frame.bodies["temperature"]

@@ -2,6 +2,7 @@
 """Heat as a user meets it: ranks, restarts, sleep, bodies that come and go, walls, messages. usage: heat_test.py BIN_FOLDER MPIEXEC [TEST...]"""
 import csv
 import glob
+import json
 import math
 import os
 import shutil
@@ -295,6 +296,57 @@ position = [0, 0, 0.03]
     assert outcome("killed.run")["state_hash"] == outcome("kept.run")["state_hash"]
 
 
+def tables_over_time_act_alike_on_any_ranks_and_after_a_restart():
+    """Walls, outside, flux and sources by tables; among the bodies some that sleep, in a second case."""
+    text = heap()
+    for constant, table in (('heat_flux = "0.2 W"', 'heat_flux = { time = [0.01, 0.0201], power = ["0.2 W", "-0.3 W"] }'),
+                            ('temperature = "60 degC"', 'temperature = { time = ["0 s", "11 ms", "60 ms"], temperature = ["60 degC", "90 degC", "20 degC"] }'),
+                            ("coefficient = 1000, temperature = 280", "coefficient = 1000, temperature = { time = [0, 0.02], temperature = [280, 350] }"),
+                            ("heat_source = 0.1", "heat_source = { time = [0.005, 0.03], power = [0.1, 0.5] }"),
+                            ('temperature = "20 degC"', 'temperature = "20 degC"\nheat_source = { time = [0, 0.02, 0.021], power = [0.01, 0.01, 0] }')):
+        assert text.count(constant) == 1, constant
+        text = text.replace(constant, table)
+    pack("tables", text)
+    kept = None
+    for ranks, threads in ((1, 2), (3, 1)):
+        folder = f"tables{ranks}.run"
+        run(ranks, "tables.scene.h5", "-o", folder, threads=threads)
+        found = physics_of_log(folder), frame(folder, -1)["temperature"].tolist()
+        kept = kept or found
+        assert found == kept, f"{folder}: another run than on one rank"
+        balance_closes(folder)
+    shutil.copytree("tables3.run", "killed.run")
+    make_killed("killed.run", keep=1)
+    run(2, "tables.scene.h5", "-o", "killed.run", "--restart", "latest")
+    assert (physics_of_log("killed.run"), frame("killed.run", -1)["temperature"].tolist()) == kept, "another run than without a kill"
+    time, floor = column("tables1.run", "time"), column("tables1.run", "wall2_temperature")
+    expected = numpy.interp(time, [0, 0.011, 0.06], [333.15, 363.15, 293.15])
+    assert len(time) > 3 and abs(floor - expected).max() <= 1e-12 * 363.15, (floor, expected)
+    # 30 bodies with 0.01 W for 20 ms and half of that for another; one with a table of its own
+    knots = numpy.array([0, 0.005, 0.03, time[-1]])
+    power = numpy.interp(knots, [0.005, 0.03], [0.1, 0.5])
+    own = (numpy.diff(knots) * (power[1:] + power[:-1])).sum() / 2
+    expected = 30 * (0.01 * 0.02 + 0.5 * 0.01 * 0.001) + own
+    assert abs(column("tables1.run", "heat_from_sources")[-1] / expected - 1) < 1e-12, (column("tables1.run", "heat_from_sources")[-1], expected)
+    said = run(1, "tables.scene.h5", "--plan").stdout
+    for word in ("'floor' has 333.1 K at 0 s to 293.1 K at 60 ms (a table of 3 rows)", "30 bodies are each given 10 mW at 0 s", "1 body is given 100 mW at 5 ms",
+                 "'side' gives 200 mW at 10 ms to -300 mW at 20.1 ms", "exchanges 1000 W/(m^2 K) with 280 K at 0 s"):
+        assert word in said, f"no '{word}' in {said}"
+    # a file that has such a table and was damaged
+    for name, word in (("order", "the times must ascend"), ("index", "heat_table 7 found, but there are 2 tables")):
+        shutil.copy("tables.scene.h5", f"{name}.scene.h5")
+        with h5py.File(f"{name}.scene.h5", "r+") as file:
+            if name == "index":
+                file["bodies/heat_table"][0] = 7
+            else:
+                settings = json.loads(file["settings"][()])
+                settings["settings"]["heat"]["source_tables"][0]["power"]["time"].reverse()
+                del file["settings"]
+                file["settings"] = numpy.bytes_(json.dumps(settings))
+        said = run(1, f"{name}.scene.h5", "--plan", expect=3).stderr
+        assert word in said, said
+
+
 def a_step_beyond_that_of_conduction_ends_the_run():
     pack("fast", heap(duration=0.05).replace("heat_capacity = 0.5", "heat_capacity = 1e-8"))
     said = run(1, "fast.scene.h5", "-o", "fast.run", expect=5).stderr
@@ -468,6 +520,15 @@ def mistakes_are_told_with_their_line():
         ("unit", base.replace('heat_flux = "0.2 W"', 'heat_flux = "0.2 J"'), 2, ["an energy", "a power", "5 W"]),
         ("below zero", base.replace("20 degC", "-300 degC"), 2, ["temperature", "> 0"]),
         ("unknown", base.replace("friction_heat", "frictionheat"), 2, ["frictionheat", "friction_heat"]),
+        ("two of a table", base.replace('temperature = "60 degC"', 'temperature = { time = [0, 1], temperature = [300] }'), 2, ["temperature", "2 times and 1 temperatures"]),
+        ("table back in time", base.replace("heat_source = 0.1", "heat_source = { time = [1, 0], power = [1, 2] }"), 2, ["heat_source", "must ascend"]),
+        ("table of another unit", base.replace("heat_source = 0.1", 'heat_source = { time = [0, 1], power = ["1 W", "1 J"] }'), 2, ["power", "an energy", "a power"]),
+        ("cold table", base.replace('temperature = "60 degC"', 'temperature = { time = [0, 1], temperature = [300, -3] }'), 2, ["temperature", "-3 K", "above 0"]),
+        ("cold outside", base.replace("temperature = 280", "temperature = { time = [0, 1], temperature = [300, 0] }"), 2, ["exchange", "temperature", "0 K", "above 0"]),
+        ("table without powers", base.replace('heat_flux = "0.2 W"', "heat_flux = { time = [0, 1] }"), 2, ["power", "missing"]),
+        ("table without heat", no_heat.replace('temperature = "60 degC"', "").replace("heat_capacity", "#").replace("conductivity", "#").replace("real_young", "#").replace("contact_conductance", "#")
+         .replace('temperature = "20 degC"', "").replace("exchange", "#").replace("temperature = 300", "").replace('heat_flux = "0.2 W"', "")
+         .replace("heat_source = 0.1", "heat_source = { time = [0], power = [1] }"), 2, ["heat_source", "is for scenes with heat"]),
         ("exchange", base.replace("coefficient = 1000, ", ""), 2, ["exchange", "coefficient"]),
         ("gas alone", base.replace("[heat]", "[heat]\ngas_conductivity = 0.05"), 2, ["gas_conductivity", "gas_range", "belong together"]),
         ("range alone", base.replace("[heat]", "[heat]\ngas_range = 0.05"), 2, ["gas_conductivity", "gas_range", "belong together"]),
@@ -517,6 +578,6 @@ temperature = 300
 main([the_same_bits_on_any_ranks_and_threads_and_after_a_restart, verify_finds_another_temperature, a_scene_without_heat_has_nothing_of_it,
       bodies_asleep_go_on_conducting, what_is_made_is_what_is_dissipated_as_steps_change_and_bodies_fall_asleep, bodies_that_come_and_go_carry_their_heat, a_wall_keeps_what_it_cannot_give,
       a_frozen_bed_conducts_in_its_own_steps_with_the_same_bits, a_frozen_bed_conducts_as_one_at_rest_that_moves_on, gas_conducts_with_less_the_wider_the_gap,
-      a_step_beyond_that_of_conduction_ends_the_run, a_run_starts_with_the_temperatures_of_another,
+      tables_over_time_act_alike_on_any_ranks_and_after_a_restart, a_step_beyond_that_of_conduction_ends_the_run, a_run_starts_with_the_temperatures_of_another,
       tables_statistics_colours_report_and_python_know_temperatures, mistakes_are_told_with_their_line,
       the_plan_tells_what_conducts])

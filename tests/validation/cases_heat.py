@@ -338,3 +338,64 @@ def h9(tools, report):
     overlap = 1e-5
     run = pair("ball", "ball", 2 * radius - overlap)
     report.check("two balls in contact: H [W/K]", half_life(run, 0, 1, heat[radius], heat[radius]), gas_between(k_gas, alpha, radius / 2, radius, 0) + 2 * k * math.sqrt(radius / 2 * overlap), 1e-9)
+
+
+def table_integral(time, value, until):
+    """Of a table over the time from 0: by the trapezia between its rows, which are exact."""
+    knots = numpy.unique([0.0, *[t for t in time if 0 < t < until], until])
+    at = numpy.interp(knots, time, value)
+    return (numpy.diff(knots) * (at[1:] + at[:-1])).sum() / 2
+
+
+@case("H10", "U", "a source, a flux, a wall and an outside that change over time by tables", "heat given = integral of the table; T' = (T_wall(t) - T) / tau, with T_wall a ramp and then constant, second order")
+def h10(tools, report):
+    radius, k, a = 3.2e-3, STEEL["conductivity"], 1e-4
+    mass = STEEL["density"] * 4 / 3 * math.pi * radius**3
+    capacity, overlap = mass * STEEL["heat_capacity"], a**2 / radius
+    tau = capacity / (4 * k * a)                          # an isothermal surface: k_s = 2 k
+
+    def ball_on_wall(steps, duration, heat_of_wall, every=None, **more):
+        step = tau / steps
+        stiffness = mass * (math.pi / (60 * step)) ** 2
+        c = Case("H10", duration=duration, step=step, margin=0, every=every or duration / 4)
+        c.heat = {}
+        c.sphere("ball", radius)
+        c.material("steel", **STEEL)
+        c.material("wall", 1000.0)
+        c.pair_all(stiffness=stiffness, restitution=1.0)
+        c.body("ball", "steel", (radius - overlap, 0, 0), lock_rotation=True, force=[-stiffness * overlap, 0, 0], temperature=300.0, **more)
+        wall_at(c, 0, 1, **heat_of_wall)
+        return report.run(c.run(tools))
+
+    # rows between steps, before the start, and after the end
+    powers = {"time": [-0.1 * tau, 0.1003 * tau, 0.25 * tau, 0.6007 * tau, 2 * tau], "power": [0.05, 0.1, -0.05, 0.2, 0.0]}
+    run = ball_on_wall(100, tau, {}, heat_source=powers)
+    for t, temperature in zip(run.times, run.temperature[:, 0]):
+        report.check(f"source by a table: temperature at {t / tau:.2f} tau [K]", temperature, 300 + table_integral(*powers.values(), t) / capacity, 1e-13)
+    given = table_integral(*powers.values(), tau)
+    report.check("source by a table: heat given [J]", run.log["heat_from_sources"][-1], given, 1e-12)
+    run = ball_on_wall(100, tau, {"heat_flux": powers})
+    report.check("flux by a table: heat given [J]", run.log["wall1_heat"][-1], given, 1e-12)
+    report.check("flux by a table: temperature [K]", run.temperature[-1, 0], 300 + given / capacity, 1e-13)
+
+    ramp = {"time": [0.0, 0.5 * tau], "temperature": [300.0, 400.0]}
+    rate = 100 / (0.5 * tau)
+
+    def answer(t, tau):
+        up = min(t, ramp["time"][1])
+        first = 300 + rate * (up - tau * -math.expm1(-up / tau))
+        return first if t == up else 400 + (first - 400) * math.exp(-(t - up) / tau)
+
+    errors = []
+    for steps in (50, 100, 500):
+        run = ball_on_wall(steps, tau, {"temperature": ramp})
+        errors.append(run.temperature[-1, 0] - answer(tau, tau))
+    report.check("wall that warms by a table: temperature after tau, 500 steps [K]", run.temperature[-1, 0] - 300, answer(tau, tau) - 300, 1e-5)
+    report.check("wall that warms by a table: error with 50 over that with 100 steps", errors[0] / errors[1], 4, 5e-2, note="second order")
+    row = numpy.argmin(abs(run.log["time"] - 0.25 * tau))
+    report.check("wall that warms by a table: its temperature in the log, about half way up [K]", run.log["wall1_temperature"][row], 300 + rate * run.log["time"][row], 1e-12)
+    report.check("wall that warms by a table: heat given, over what the ball stores", run.log["wall1_heat"][-1] / (capacity * (run.temperature[-1, 0] - 300)), 1, 1e-11)
+    # an outside of which the film conducts as much as the contact: half the conductance
+    film = 4 * k * a / (math.pi * a**2)
+    run = ball_on_wall(500, tau, {"exchange": {"coefficient": film, "temperature": ramp}})
+    report.check("outside that warms by a table: temperature after tau, 500 steps [K]", run.temperature[-1, 0] - 300, answer(tau, 2 * tau) - 300, 1e-5)

@@ -49,6 +49,8 @@ def id_list(what: str, ids: ArrayLike) -> np.ndarray:
 
 def vectors(what: str, values: ArrayLike, rows: int, width: int = 3) -> np.ndarray:
     """rows x width numbers from as many, or from one row for all."""
+    if type(values) is np.ndarray and values.dtype == float and values.shape == ((rows,) if width == 1 else (rows, width)) and values.flags.c_contiguous:
+        return values  # mostly: force functions of few bodies are called every 30 us
     try:
         found = np.asarray(values, dtype=float)
     except (TypeError, ValueError):
@@ -60,7 +62,7 @@ def vectors(what: str, values: ArrayLike, rows: int, width: int = 3) -> np.ndarr
 
 
 def address_of(values: np.ndarray | None) -> int | None:
-    return None if values is None else values.ctypes.data
+    return None if values is None else int(values.__array_interface__["data"][0])  # half the time of values.ctypes
 
 
 def duplicate_of(comm: Any) -> Any:

@@ -59,9 +59,11 @@ def name_of(function: Any) -> str:
 
 def force_callback(function: Callable[[EngineBodies], Any], name: str, kept: Kept, names: dict[str, np.ndarray]) -> Any:
     """The function as the library calls it."""
+    said = {what: f"force function {name}: {what}" for what in ("force", "torque")}
+
     def fill(address: int, what: str, values: Any, count: int) -> None:
         if values is not None and count:
-            given = vectors(f"force function {name}: {what}", values, count)
+            given = vectors(said[what], values, count)
             ctypes.memmove(address, address_of(given), given.nbytes)  # all 0 before
 
     def call(_: Any, handle: int, count: int, force: int, torque: int) -> int:

@@ -62,10 +62,11 @@ class WithinStep:
 
 
 def field_of(handle: int | None, name: str, count: int) -> np.ndarray:
+    library = loaded_library()
     if name in INTEGERS:
-        address, kind = loaded_library().scree_integers(handle, name.encode()), np.int64
+        address, kind = library.scree_integers(handle, name.encode()), np.int64
     else:
-        address, kind = loaded_library().scree_reals(handle, name.encode()), float
+        address, kind = library.scree_reals(handle, name.encode()), float
     if address is None:
         raise UsageError(f"bodies.{name}: {error_text().removeprefix('bodies: ')}")
     return copied(address, count, WIDTHS.get(name, 1), kind)
@@ -98,8 +99,9 @@ class EngineBodies(Rows):
     _store: Any
 
     def __init__(self, store: Store, chosen: np.ndarray | None = None) -> None:
-        """Made by an engine."""
-        super().__init__(store, chosen)  # type: ignore[arg-type]
+        """Made by an engine, for each call of a force function."""
+        of_mine = self.__dict__
+        of_mine["_store"], of_mine["_chosen"] = store, chosen
 
     @property
     def temperature(self) -> np.ndarray:

@@ -48,10 +48,11 @@ void HeatEffect::on_rebuild(const StepParts& parts) {
   const RunState& s = parts.state;
   at_rest_.assign(s.pairs.pairs().size(), -1.0);
   stored_.assign(friction_heat_ ? s.pairs.pairs().size() : 0, 0.0);
-  source_.assign(s.particles.owned, 0.0);
-  for (std::size_t i = 0; i < s.particles.owned && !source_of_id_.empty(); ++i) {
-    const auto found = std::lower_bound(source_of_id_.begin(), source_of_id_.end(), std::pair(s.particles.id[i], -1e300));
-    if (found != source_of_id_.end() && found->first == s.particles.id[i]) source_[i] = found->second;
+  source_rows_.clear();
+  for (std::size_t i = 0; i < s.particles.owned && !sources_.empty(); ++i) {
+    const auto found =
+        std::lower_bound(sources_.begin(), sources_.end(), s.particles.id[i], [](const Source& l, std::int64_t id) { return l.id < id; });
+    if (found != sources_.end() && found->id == s.particles.id[i]) source_rows_.emplace_back(i, found - sources_.begin());
   }
   if (gas_) gas_->find(parts);
   if (outer_) outer_->on_rebuild(s);
@@ -255,6 +256,19 @@ void HeatEffect::falls_asleep(RunState& s, std::size_t row) {
   heat_body(s.particles, row, heat);
 }
 
+/// What the case gives to bodies in the step: tables by their mean over it.
+void HeatEffect::add_sources(const RunState& s) {
+  const double dt = s.clock.dt, now = s.clock.time();
+  std::vector<double> of_tables;
+  for (const TimeTable& table : s.scene.source().settings.heat->source_tables) of_tables.push_back(table.mean(now - dt, now));
+  for (const auto& [row, index] : source_rows_) {
+    const Source& source = sources_[index];
+    const double heat = dt * (source.table < 0 ? source.power : source.power + of_tables[at(source.table)]);
+    given_[row] += heat;
+    totals_[kFromSources].add(heat);
+  }
+}
+
 /// What walls with a flux give in the step, shared in proportion to conductances. Collective.
 void HeatEffect::add_flux(const RunState& s) {
   const std::vector<Wall>& walls = s.scene.source().walls;
@@ -266,7 +280,7 @@ void HeatEffect::add_flux(const RunState& s) {
   std::vector<double> per_conductance(walls.size(), 0.0);
   for (std::size_t w = 0; w < walls.size(); ++w) {
     if (walls[w].heat.kind != WallHeatKind::flux) continue;
-    pending_[w] += walls[w].heat.flux * s.clock.dt;
+    pending_[w] += walls[w].heat.flux.mean(s.clock.time() - s.clock.dt, s.clock.time()) * s.clock.dt;
     const double sum = sums[w].value();
     if (sum > 0) per_conductance[w] = std::exchange(pending_[w], 0.0) / sum;
   }
@@ -281,8 +295,16 @@ void HeatEffect::add_flux(const RunState& s) {
   }
 }
 
-/// Power that flows into each owned row at these temperatures.   in/out   power   [W]
-void HeatEffect::add_conducted(const RunState& s, const std::vector<double>& temperature, std::vector<double>& power) const {
+/// Of each wall at a time [K]; 0 where it has none.
+std::vector<double> HeatEffect::temperatures_of_walls(double time) const {
+  std::vector<double> all;
+  for (const Wall& wall : state_.scene.source().walls) all.push_back(wall.heat.temperature.at(time));
+  return all;
+}
+
+/// Power that flows into each owned row at these temperatures of walls and rows.   in/out   power   [W]
+void HeatEffect::add_conducted(const RunState& s, const std::vector<double>& of_walls, const std::vector<double>& temperature,
+                               std::vector<double>& power) const {
   const std::size_t owned = s.particles.owned;
   for (const Flow& flow : flows_) {
     const auto a = at(flow.a);
@@ -291,8 +313,8 @@ void HeatEffect::add_conducted(const RunState& s, const std::vector<double>& tem
       const double to_a = flow.conductance * (temperature[b] - temperature[a]);
       if (a < owned) power[a] += to_a;
       if (b < owned) power[b] -= to_a;
-    } else if (const Wall& wall = wall_of(flow); wall.heat.has_temperature()) {
-      power[a] += flow.conductance * (wall.heat.temperature - temperature[a]);
+    } else if (wall_of(flow).heat.has_temperature()) {
+      power[a] += flow.conductance * (of_walls[at(flow.wall)] - temperature[a]);
     }
   }
 }
@@ -307,15 +329,16 @@ void HeatEffect::advance(const StepParts& parts) {
   RunState& s = parts.state;
   ParticleSet& p = s.particles;
   const double dt = s.clock.dt;
+  const std::vector<double> walls_first = temperatures_of_walls(s.clock.time() - dt), walls = temperatures_of_walls(s.clock.time());
   parts.halo.refresh_column(p.temperature, s.times);
   power_first_.assign(p.owned, 0.0);
-  add_conducted(s, p.temperature, power_first_);
+  add_conducted(s, walls_first, p.temperature, power_first_);
   if (outer_) outer_->add_power(p.temperature, power_first_);
   stage_ = p.temperature;
   for (std::size_t i = 0; i < p.owned; ++i) stage_[i] += (dt * power_first_[i] + given_[i]) / capacity(p, i);
   parts.halo.refresh_column(stage_, s.times);
   power_.assign(p.owned, 0.0);
-  add_conducted(s, stage_, power_);
+  add_conducted(s, walls, stage_, power_);
   if (outer_) {
     outer_->add_power(stage_, power_);
     outer_->count_passed(dt, p.temperature, stage_);
@@ -323,8 +346,7 @@ void HeatEffect::advance(const StepParts& parts) {
   for (const Flow& flow : flows_) {
     if (flow.wall < 0 || !wall_of(flow).heat.has_temperature()) continue;
     const std::size_t w = at(flow.wall), a = at(flow.a);
-    const double of_wall = wall_of(flow).heat.temperature;
-    const double power = 0.5 * flow.conductance * ((of_wall - p.temperature[a]) + (of_wall - stage_[a]));
+    const double power = 0.5 * flow.conductance * ((walls_first[w] - p.temperature[a]) + (walls[w] - stage_[a]));
     to_bodies_[w].add(dt * power);
     flow_now_[w].add(power);
   }
@@ -356,11 +378,7 @@ void HeatEffect::end_step(const StepParts& parts) {
     parts.halo.finish_refresh(p, s.times);
     add_made(s, 1);
   }
-  for (std::size_t i = 0; i < p.owned && !source_of_id_.empty(); ++i) {
-    if (source_[i] == 0) continue;
-    given_[i] += s.clock.dt * source_[i];
-    totals_[kFromSources].add(s.clock.dt * source_[i]);
-  }
+  add_sources(s);
   if (outer_) outer_->add_sources(s.clock.dt, given_);
   if (has_flux_) add_flux(s);
   advance(parts);

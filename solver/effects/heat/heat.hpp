@@ -10,6 +10,9 @@
 // threads. Temperatures keep what rounding takes from them (temperature_remainder): what flows in a step may be far below one unit in their
 // last place.
 //
+// Tables over time: walls have the temperature of the beginning of the step in the first of both steps, and that of its end in the second;
+// sources and fluxes give the integral of the table over the step, so that their sum is that of the table.
+//
 // Bodies asleep go on conducting: neither side moves, and the conductance is that of the contact where it is (visit_pairs).
 //
 // In a scene whose bodies stay as they are (heat.frozen), conductances are computed once, at the start and again at a restart, and bound()

@@ -46,6 +46,13 @@ class HeatEffect : public Effect, public PairObserver {
     double conductance;  ///< [W/K]; < 0: not known
   };
 
+  /// What the case gives to a body: a power at all times, and that of a table.
+  struct Source {
+    std::int64_t id;
+    double power;        ///< [W]
+    std::int32_t table;  ///< index into Heat::source_tables, or -1
+  };
+
   explicit HeatEffect(const RunState& s)
       : state_(s),
         friction_heat_(s.scene.source().settings.heat->friction_heat),
@@ -55,10 +62,11 @@ class HeatEffect : public Effect, public PairObserver {
         to_bodies_(pending_.size()) {
     for (const Wall& wall : s.scene.source().walls) has_flux_ = has_flux_ || wall.heat.kind == WallHeatKind::flux;
     for (std::size_t b = 0; b < s.scene.source().bodies.size(); ++b) {
-      if (s.scene.source().bodies.heat_source[b] != 0)
-        source_of_id_.push_back({s.scene.source().bodies.id[b], s.scene.source().bodies.heat_source[b]});
+      const BodyTable& bodies = s.scene.source().bodies;
+      if (bodies.heat_source[b] != 0 || bodies.heat_table[b] >= 0)
+        sources_.push_back({bodies.id[b], bodies.heat_source[b], bodies.heat_table[b]});
     }
-    std::sort(source_of_id_.begin(), source_of_id_.end());
+    std::sort(sources_.begin(), sources_.end(), [](const Source& l, const Source& r) { return l.id < r.id; });
     if (s.scene.source().settings.heat->has_gas()) gas_.emplace(s.scene.source());
   }
 
@@ -115,15 +123,18 @@ class HeatEffect : public Effect, public PairObserver {
   void check_step(const StepParts& parts) const;
   void add_made(const RunState& s, double share);
   void add_loss(const BodyPair& pair, std::size_t owned, double loss);
+  void add_sources(const RunState& s);
   void add_flux(const RunState& s);
-  void add_conducted(const RunState& s, const std::vector<double>& temperature, std::vector<double>& power) const;
+  std::vector<double> temperatures_of_walls(double time) const;
+  void add_conducted(const RunState& s, const std::vector<double>& of_walls, const std::vector<double>& temperature,
+                     std::vector<double>& power) const;
   void advance(const StepParts& parts);
   void heat_body(ParticleSet& p, std::size_t row, double heat);
 
   const RunState& state_;
   bool friction_heat_, has_flux_ = false;
   ContactConductance conductance_;
-  std::vector<std::pair<std::int64_t, double>> source_of_id_;  // [W], by id
+  std::vector<Source> sources_;  // of the case, by id
 
   std::optional<GasGaps> gas_;
   std::optional<OuterHeat> outer_;
@@ -133,8 +144,8 @@ class HeatEffect : public Effect, public PairObserver {
   std::vector<Flow> flows_;                 // the same, then gaps with gas in the order of theirs
   std::vector<double> at_rest_;             // of each pair: conductance between two sides that do not move; < 0: not known [W/K]
   std::vector<double> stored_;              // of each pair: in its springs before the step [J]
-  std::vector<double> source_;              // of each owned row [W]
-  std::vector<double> given_;               // the same: what it gets in the step whatever temperatures are [J]
+  std::vector<std::pair<std::size_t, std::size_t>> source_rows_;  // rows with a source, and its index
+  std::vector<double> given_;                                     // the same: what it gets in the step whatever temperatures are [J]
   std::vector<double> stage_, power_first_, power_;
 
   // present, of the bodies of this rank

@@ -18,6 +18,14 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 /// In a record: after the totals, walls and what they keep.
 constexpr std::ptrdiff_t kFirstOuter = kHeatTotals + 2;
 
+/// For a plan.
+std::string text_of(const TimeTable& table, Dimension dimension) {
+  if (table.is_constant()) return format_quantity(table.value.front(), dimension);
+  return fmt::format("{} at {} to {} at {} (a table of {} rows)", format_quantity(table.value.front(), dimension),
+                     format_quantity(table.time.front(), Dimension::time), format_quantity(table.value.back(), dimension),
+                     format_quantity(table.time.back(), Dimension::time), table.value.size());
+}
+
 }  // namespace
 
 EffectRecord HeatEffect::record(const RunState& s) const {
@@ -144,6 +152,8 @@ void HeatEffect::add_log_columns(const RunState& s, const Energies&, std::vector
     if (wall.heat.kind == WallHeatKind::adiabatic) continue;
     columns.push_back({fmt::format("wall{}_heat", wall.id), "J", exact(all.from_walls[w])});
     columns.push_back({fmt::format("wall{}_heat_flow", wall.id), "W", exact(all.flow_of_walls[w])});
+    if (!wall.heat.temperature.is_constant())
+      columns.push_back({fmt::format("wall{}_temperature", wall.id), "K", exact(wall.heat.temperature.at(s.clock.time()))});
     if (wall.heat.kind == WallHeatKind::flux) columns.push_back({fmt::format("wall{}_heat_kept", wall.id), "J", exact(pending_[w])});
   }
 }
@@ -157,6 +167,13 @@ std::vector<PlanLine> HeatEffect::plan(const RunState& s) const {
   if (outer_) {
     const auto sources = static_cast<double>(outer_->source_count()), media = static_cast<double>(outer_->medium_count());
     lines.emplace_back("heat of a program", fmt::format("on this rank sources of {:.0f} bodies, media of {:.0f}", sources, media));
+  }
+  for (std::size_t table = 0; table < scene.settings.heat->source_tables.size(); ++table) {
+    const auto& of = scene.bodies.heat_table;
+    const auto bodies_of = std::count(of.begin(), of.end(), static_cast<int>(table));
+    lines.emplace_back("heat source",
+                       fmt::format("{} given {}", bodies_of == 1 ? "1 body is" : fmt::format("{} bodies are each", bodies_of),
+                                   text_of(scene.settings.heat->source_tables[table], Dimension::power)));
   }
   if (s.scene.is_frozen()) lines.emplace_back("frozen", "bodies and contacts stay as they are; conduction sets the step");
   if (gas_) {
@@ -176,10 +193,10 @@ std::vector<PlanLine> HeatEffect::plan(const RunState& s) const {
   }
   for (const Wall& wall : scene.walls) {
     if (wall.heat.kind == WallHeatKind::adiabatic) continue;
-    const std::string temperature = format_quantity(wall.heat.temperature, Dimension::temperature);
+    const std::string temperature = text_of(wall.heat.temperature, Dimension::temperature);
     lines.emplace_back("heat of a wall", wall.heat.kind == WallHeatKind::isothermal ? fmt::format("'{}' has {}", wall.name, temperature)
                                          : wall.heat.kind == WallHeatKind::flux
-                                             ? fmt::format("'{}' gives {}", wall.name, format_quantity(wall.heat.flux, Dimension::power))
+                                             ? fmt::format("'{}' gives {}", wall.name, text_of(wall.heat.flux, Dimension::power))
                                              : fmt::format("'{}' exchanges {} with {}", wall.name,
                                                            format_quantity(wall.heat.coefficient, Dimension::heat_transfer), temperature));
   }
