@@ -45,6 +45,9 @@ void heat_source_key(CaseKeys& k, const Case& c, double& power);
 void cylinder_keys(CaseKeys& k, Wall& wall);
 void sphere_keys(CaseKeys& k, Wall& wall);
 
+/// The shape of a wall, one of those that `[[walls]]` lists (case_forms.cpp).
+void wall_shape_section(CaseKeys& k, CaseWall& w);
+
 std::vector<std::string> names_of_shapes(const Case& c);
 std::vector<std::string> names_of_materials(const Case& c);
 
