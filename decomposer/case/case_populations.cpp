@@ -225,7 +225,7 @@ void region_section(CaseKeys& k, const Case& c, CaseRegion& region) {
   if (t == nullptr || kind != "inside_wall") return;
   const CaseWall& w = c.walls[static_cast<std::size_t>(region.wall)];
   if (w.wall.kind == WallKind::plane || (w.form && w.form->inside.triangles.empty())) {
-    throw t->error("inside_wall", "this wall has no inside; name a box, cylinder, cone, sphere, hopper or drum");
+    throw t->error("inside_wall", "this wall has no inside; name a box, cylinder, cone, sphere, hopper, drum or trough");
   }
 }
 

@@ -50,6 +50,9 @@ void over_time_key(CaseKeys& k, const Key& key, const char* since, const char* c
 void cylinder_keys(CaseKeys& k, Wall& wall);
 void sphere_keys(CaseKeys& k, Wall& wall);
 
+/// The shape of a wall, one of those that `[[walls]]` lists (case_forms.cpp).
+void wall_shape_section(CaseKeys& k, CaseWall& w);
+
 std::vector<std::string> names_of_shapes(const Case& c);
 std::vector<std::string> names_of_materials(const Case& c);
 

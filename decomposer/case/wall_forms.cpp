@@ -14,13 +14,6 @@ namespace {
 using Point2 = std::array<double, 2>;
 using Ring = std::vector<std::int32_t>;
 
-/// Two unit vectors across an axis, right-handed with it. For the z axis they are x and y.
-std::pair<Vec3, Vec3> across(const Vec3& axis) {
-  const Vec3 away = std::abs(axis.z) > 0.9 ? Vec3{1, 0, 0} : Vec3{0, 0, 1};
-  const Vec3 first = normalised(away - dot(away, axis) * axis);
-  return {first, cross(axis, first)};
-}
-
 std::vector<Point2> circle(double radius, int segments) {
   std::vector<Point2> points;
   for (int i = 0; i < segments; ++i) {
@@ -44,9 +37,9 @@ class Tube {
     mesh_.vertices.push_back(origin_ + offset);
     return mesh_.vertex_count() - 1;
   }
-  /// Faces between a ring and the next one along the axis, towards the inside.
-  void join(const Ring& low, const Ring& high) {
-    for (std::size_t i = 0; i < low.size(); ++i) {
+  /// Faces between a ring and the next one along the axis, towards the inside; `whole`: the last corner is joined with the first.
+  void join(const Ring& low, const Ring& high, bool whole = true) {
+    for (std::size_t i = 0; i + (whole ? 0 : 1) < low.size(); ++i) {
       const std::size_t j = (i + 1) % low.size();
       mesh_.triangles.push_back({low[i], high[i], high[j]});
       mesh_.triangles.push_back({low[i], high[j], low[j]});
@@ -179,7 +172,33 @@ TriangleMesh hopper_surface(const Hopper& h, int segments, bool closed) {
   return tube.take();
 }
 
+/// Corners of the half circle lie on it. Counter-clockwise, from the rim of one side to that of the other.
+TriangleMesh trough_surface(const Vec3& start, const Vec3& end, double radius, double height, int segments, bool lid_start, bool lid_end,
+                            bool lid_above) {
+  const int steps = std::max(2, segments / 2);
+  std::vector<Point2> outline{{height, radius}};  // upwards, and to the side
+  for (int i = 0; i <= steps; ++i) {
+    const double a = std::numbers::pi * i / steps;
+    outline.push_back({-radius * std::sin(a), radius * std::cos(a)});
+  }
+  outline.push_back({height, -radius});
+  const Vec3 axis = end - start;
+  Tube tube(start, normalised(axis));
+  const std::vector<Triangle> plate = triangulate_polygon(outline);
+  const Ring low = tube.ring(outline, 0), high = tube.ring(outline, length(axis));
+  tube.join(low, high, lid_above);
+  if (lid_start) tube.lid(low, plate, true);
+  if (lid_end) tube.lid(high, plate, false);
+  return tube.take();
+}
+
 }  // namespace
+
+std::pair<Vec3, Vec3> across(const Vec3& axis) {
+  const Vec3 away = std::abs(axis.z) > 0.9 ? Vec3{1, 0, 0} : Vec3{0, 0, 1};
+  const Vec3 first = normalised(away - dot(away, axis) * axis);
+  return {first, cross(axis, first)};
+}
 
 WallForm plate_form(const Vec3& corner, const Vec3& side_a, const Vec3& side_b) {
   return {{{corner, corner + side_a, corner + side_a + side_b, corner + side_b}, {{0, 1, 2}, {0, 2, 3}}}, {}};
@@ -214,6 +233,11 @@ WallForm drum_form(const Vec3& start, const Vec3& end, double radius, const Lift
 
 WallForm hopper_form(const Hopper& hopper, int segments) {
   return {hopper_surface(hopper, segments, false), turned_inside_out(hopper_surface(hopper, segments, true))};
+}
+
+WallForm trough_form(const Vec3& start, const Vec3& end, double radius, double height, bool open_start, bool open_end, int segments) {
+  return {trough_surface(start, end, radius, height, segments, !open_start, !open_end, false),
+          turned_inside_out(trough_surface(start, end, radius, height, segments, true, true, true))};
 }
 
 std::vector<Triangle> triangulate_polygon(const std::vector<std::array<double, 2>>& corners) {

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/triangle_mesh.hpp"
@@ -55,6 +56,12 @@ struct Hopper {
   double stub = 0;                             ///< length of the tube below the outlet [m]
 };
 WallForm hopper_form(const Hopper& hopper, int segments);
+
+/// Open above: a half tube about a level axis, with upright sides.   in   height   of the sides above the axis [m]
+WallForm trough_form(const Vec3& start, const Vec3& end, double radius, double height, bool open_start, bool open_end, int segments);
+
+/// Two unit vectors across an axis, right-handed with it; the first points up as far as it can, on a vertical axis along x.
+std::pair<Vec3, Vec3> across(const Vec3& axis);
 
 /// Triangles of a simple polygon, counter-clockwise, by clipping ears.   Cost: O(n^2) for most outlines.
 std::vector<Triangle> triangulate_polygon(const std::vector<std::array<double, 2>>& corners);

@@ -105,15 +105,18 @@ MesherCommand describe_line(CLI::App& app) {
 
 MesherCommand generate_line(CLI::App& app) {
   auto options = std::make_shared<GenerateOptions>();
-  CLI::App* line = app.add_subcommand(
-      "generate", "Generate primitives, Platonic solids, tablets, lobes, cylinders with holes, hooks, rocks and crushed stones");
+  CLI::App* line = app.add_subcommand("generate",
+                                      "Generate primitives, Platonic solids, tablets, lobes, cylinders with holes, hooks, sleepers, "
+                                      "screws, paddle wheels, rocks and stones");
   line->add_option("SHAPE", options->what, "What to make")->required()->check(CLI::IsMember(generated_shapes()));
   line->add_option("--radius", options->radius,
-                   "Of sphere, cylinder, capsule, cone (below), torus (ring), tablet, hollow_cylinder and each lobe: \"5 mm\"");
-  line->add_option("--height", options->height,
-                   "Of cylinder, capsule (between the balls), cone, tablet (its band), hollow_cylinder and lobes, along z");
+                   "Of sphere, cylinder, capsule, cone (below), torus (ring), tablet, hollow_cylinder, each lobe, and of what a screw or "
+                   "paddle_wheel reaches: \"5 mm\"");
+  line->add_option(
+      "--height", options->height,
+      "Of cylinder, capsule (between the balls), cone, tablet (its band), hollow_cylinder, lobes, screw, paddle_wheel, along z");
   line->add_option("--size", options->size,
-                   "Box, ellipsoid, superellipsoid: \"x, y, z\"; hook, u: \"width, left leg, right leg\"; Platonic: edge");
+                   "Box, ellipsoid, superellipsoid, sleeper: \"x, y, z\"; hook, u: \"width, left leg, right leg\"; Platonic: edge");
   line->add_option("--tube-radius", options->tube_radius, "Of the torus and of the rod of hook and u");
   line->add_option("--upper-radius", options->upper_radius, "Of the cone; without it the cone has a tip");
   line->add_option("--cup", options->cup, "Tablet: depth of each cap, at most the radius");
@@ -124,6 +127,14 @@ MesherCommand generate_line(CLI::App& app) {
   line->add_option("--hole-circle", options->hole_circle, "Hollow_cylinder: distance of their centres from the axis");
   line->add_option("--lobes", options->lobes, "Lobes: their number, from 2");
   line->add_option("--spread", options->spread, "Lobes: distance of their centres from the axis (default: the radius)");
+  line->add_option("--shaft-radius", options->shaft_radius, "Screw, paddle_wheel: of the shaft");
+  line->add_option("--thickness", options->thickness, "Screw: of a flight along the axis; paddle_wheel: of a blade");
+  line->add_option("--pitch", options->pitch, "Screw: length in which a flight goes round once");
+  line->add_option("--starts", options->starts, "Screw: number of flights (default: 1)");
+  line->add_flag("--left-handed", options->left_handed, "Screw: its flights turn clockwise on their way up");
+  line->add_option("--blades", options->blades, "Paddle_wheel: their number");
+  line->add_option("--twist", options->twist, "Paddle_wheel: angle by which the blades turn over the height: \"30 deg\"");
+  line->add_option("--top-width", options->top_width, "Sleeper: width of its upper face (default: that of the lower one)");
   line->add_option("--rounding", options->rounding,
                    "Box, Platonic: radius of its edges and corners; --edge-length is then that of the rounding");
   line->add_option("--exponents", options->exponents, "Of the superellipsoid: \"e, n\", from 0.1 (a box) over 1 to 2");

@@ -88,7 +88,9 @@ struct GenerateOptions {
   // texts with or without units; empty when not given
   std::string radius, height, size, edge_length, tube_radius, upper_radius, exponents, diameter, rounding;
   std::string cup, bevel, inner_radius, hole_radius, hole_circle, spread;
-  int holes = 0, lobes = 0;                          ///< 0: not given
+  std::string shaft_radius, pitch, thickness, twist, top_width;
+  int holes = 0, lobes = 0, blades = 0, starts = 0;  ///< 0: not given
+  bool left_handed = false;
   std::string elongation = "0.8", flatness = "0.8";  ///< of rocks and stones: a number, or a range "0.6..0.9"
   double roughness = 0.1;
   std::int32_t triangles = 0;  ///< 0: what suits the shape

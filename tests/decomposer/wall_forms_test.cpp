@@ -1,17 +1,21 @@
 // Walls made from numbers: closed where they say so, open where they say so, facing inwards, of the right size.
 #include "decomposer/case/wall_forms.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <span>
+#include <tuple>
 
 #include "core/base/error.hpp"
 #include "core/geometry/features.hpp"
 #include "core/geometry/mass_properties.hpp"
 #include "decomposer/case/case_file.hpp"
+#include "decomposer/case/machine_forms.hpp"
 
 namespace scree {
 namespace {
@@ -125,6 +129,75 @@ TEST(WallForms, a_drum_loses_the_cross_section_of_its_lifters) {
   expect_faces_inside(form);
 }
 
+TEST(WallForms, a_trough_is_half_a_tube_under_a_box_and_open_above) {
+  for (const Vec3& direction : {Vec3{1, 0, 0}, {0, -1, 0}, {0.6, 0.8, 0}}) {
+    const Vec3 start{0.3, -0.2, 0.5};
+    const WallForm form = trough_form(start, start + 2.0 * direction, 0.25, 0.4, false, false, 48);
+    expect_closed_with_volume(form, 2 * (0.5 * polygon_area(0.25, 48) + 0.5 * 0.4));
+    EXPECT_NEAR(open_length(form.surface), 2 * (2 + 0.5), 1e-12) << "its rim";
+    EXPECT_NEAR(bounding_box(form.surface).upper.z, 0.5 + 0.4, 1e-12);
+    EXPECT_NEAR(bounding_box(form.surface).lower.z, 0.5 - 0.25, 1e-12);
+    // open, it has one rim around
+    const WallForm gutter = trough_form(start, start + 2.0 * direction, 0.25, 0.4, true, true, 48);
+    EXPECT_NEAR(open_length(gutter.surface), 2 * (2 + 0.4 + 0.4 + 24 * 2 * 0.25 * std::sin(kPi / 48)), 1e-12);
+  }
+}
+
+TEST(WallForms, a_screw_fills_its_shaft_and_a_part_of_the_ring_around_it) {
+  const Vec3 start{0.1, 0.2, 0.3}, end{0.1, 1.0, 0.9};  // a length of 1
+  for (const auto& [starts, pitch, left] : {std::tuple(1, 0.4, false), {1, 0.4, true}, {2, 0.6, false}, {3, 3.0, true}}) {
+    SCOPED_TRACE(fmt::format("{} flights, pitch {}", starts, pitch));
+    const Screw screw{0.05, 0.2, pitch, 0.1, starts, left};
+    ASSERT_STREQ(fault_of(screw), "");
+    EXPECT_NEAR(area_of(screw), kPi * (0.0025 + 0.0375 * starts * 0.1 / pitch), 1e-15);
+    double error[2];
+    for (int k = 0; k < 2; ++k) {
+      const TriangleMesh mesh = screw_form(start, end, screw, k == 0 ? 60 : 120).surface;  // steps that double
+      EXPECT_EQ(open_length(mesh), 0);
+      error[k] = 1 - mass_properties(mesh).volume / area_of(screw);
+    }
+    EXPECT_LT(std::abs(error[1]), 1e-2);
+    EXPECT_NEAR(error[0] / error[1], 4, 0.5) << "second order";
+    // nothing is beyond its rim or its ends, and the middle of a flight points up in the middle of the shaft
+    const TriangleMesh mesh = screw_form(start, end, screw, 96).surface;
+    const Vec3 axis = end - start, up = across(axis).first, side = across(axis).second;
+    double least = 1;
+    for (const Vec3& p : mesh.vertices) {
+      const Vec3 d = p - start;
+      const double along = dot(d, axis), out = length(d - along * axis);
+      EXPECT_TRUE(along > -1e-12 && along < 1 + 1e-12 && out < 0.2 + 1e-12);
+      if (std::abs(out - 0.2) > 1e-9) continue;
+      // of points on the rim, the angle in the frame that goes round with the flights
+      const double angle = std::atan2(dot(d, side), dot(d, up)) - (left ? -1 : 1) * 2 * kPi * (along - 0.5) / pitch;
+      const double of_start = std::remainder(angle, 2 * kPi / starts);
+      EXPECT_LT(std::abs(of_start), kPi * 0.1 / pitch + 1e-9);
+      least = std::min(least, std::abs(of_start));
+    }
+    EXPECT_LT(least, 0.1);
+  }
+}
+
+TEST(WallForms, paddles_are_boxes_within_their_circle) {
+  Paddles paddles{0.05, 0.3, 5, 0.1, 0.02};
+  const WallForm form = paddles_form({0, 0, 1}, {2, 0, 1}, paddles, 24);
+  EXPECT_EQ(open_length(form.surface), 0);
+  const double h = 0.5 * (0.1 + 0.02) * std::sin(kPi / 4);
+  EXPECT_NEAR(reach_across(paddles), h, 1e-15);
+  EXPECT_NEAR(mass_properties(form.surface).volume, 2 * polygon_area(0.05, 24) + 5 * std::sqrt(0.09 - h * h) * 0.1 * 0.02, 1e-14);
+  double farthest = 0;
+  for (const Vec3& p : form.surface.vertices) farthest = std::max(farthest, std::hypot(p.y, p.z - 1));
+  EXPECT_NEAR(farthest, 0.3, 1e-14);
+  // the first points up, the second a quarter turn on, counter-clockwise seen against the axis; a positive angle as a right-handed screw
+  const auto blade = [&](std::size_t i) { return std::span(form.surface.vertices).subspan(form.surface.vertices.size() - 8 * (5 - i), 8); };
+  for (const Vec3& p : blade(0)) EXPECT_GT(p.z, 1 - 1e-14);
+  for (const Vec3& p : blade(1)) EXPECT_LT(p.y, 1e-14);
+  Vec3 moment;
+  for (const Vec3& p : blade(0)) moment += (p.x - 0.2) * Vec3{0, p.y, 0};
+  EXPECT_LT(moment.y, 0) << "turning on from up is towards -y: the blade's forward edge lies there";
+  paddles.angle = -paddles.angle;
+  EXPECT_NEAR(mass_properties(paddles_form({0, 0, 1}, {2, 0, 1}, paddles, 24).surface).volume, mass_properties(form.surface).volume, 1e-14);
+}
+
 TEST(WallForms, the_corners_of_a_lifter_are_the_only_edges_of_a_drum_that_carry_contacts) {
   const WallForm drum = drum_form({}, {0, 0.3, 0}, 0.5, {6, 0.1, 0.08, 0.04}, false, false, 64);
   const FeatureTable features = find_features(drum.surface);
@@ -207,6 +280,16 @@ TEST(WallForms, forms_that_cannot_be_are_refused) {
   const std::string drum = "drum = { start = [0, 0, 0], end = [0, 0, 1], radius = 1, lifters = { ";
   expect_refusal(drum + "count = 4, height = 1, width = 0.1 } }", "less than the radius");
   expect_refusal(drum + "count = 40, height = 0.5, width = 0.1 } }", "leave no room");
+  const std::string shaft = "start = [0, 0, 0], end = [1, 0, 0], radius = 0.2, shaft = ";
+  expect_refusal("screw = { " + shaft + "0.2, pitch = 1, thickness = 0.1 }", "less than the radius of the flights");
+  expect_refusal("screw = { " + shaft + "0.1, pitch = 0, thickness = 0.1 }", "must not be 0");
+  expect_refusal("screw = { " + shaft + "0.1, pitch = -0.3, thickness = 0.1, starts = 3 }", "leave no room");
+  expect_refusal("screw = { " + shaft + "0.1, pitch = 1e-3, thickness = 1e-4, segments = 1000 }", "triangles of this screw");
+  expect_refusal("paddles = { " + shaft + "0.3, count = 3, width = 0.1, thickness = 0.01 }", "less than the radius");
+  expect_refusal("paddles = { " + shaft + "0.1, count = 3, width = 0.6, thickness = 0.01 }", "more than the circle");
+  expect_refusal("paddles = { " + shaft + "0.1, count = 20000, width = 0.1, thickness = 0.01 }", "at most 10000");
+  expect_refusal("trough = { start = [0, 0, 0], end = [1, 0, 0.1], radius = 1, height = 1 }", "0.1 m higher than start");
+  expect_refusal("trough = { start = [0, 0, 0], end = [1, 0, 0], radius = 1, height = 1, open = [\"top\"] }", "defined are: start, end");
   expect_refusal("box_inside = [[0, 0, 0], [1, 1, 1]]", "walls that are meshes", "position = [0, 0, 1]\n");
 }
 

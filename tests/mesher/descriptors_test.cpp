@@ -7,13 +7,14 @@
 #include <tuple>
 
 #include "core/base/error.hpp"
+#include "core/geometry/blades.hpp"
 #include "mesher/check/mesh_check.hpp"
 #include "mesher/edit/convex_hull.hpp"
 #include "mesher/edit/descriptors.hpp"
 #include "mesher/edit/sieve_opening.hpp"
-#include "mesher/make/extruded.hpp"
 #include "mesher/make/primitives.hpp"
 #include "mesher/make/random_rock.hpp"
+#include "mesher/make/sections.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace scree {
@@ -304,12 +305,12 @@ TEST(Extruded, cylinders_with_holes_have_the_volume_of_their_polygons) {
 }
 
 TEST(Extruded, discs_whose_holes_meet_are_refused) {
-  EXPECT_STRNE(fault_of({5, 5, 0, 0, 0}), "");
-  EXPECT_STRNE(fault_of({5, 0, 3, 1, 4}), "") << "the rim";
-  EXPECT_STRNE(fault_of({5, 0, 3, 1, 1}), "") << "the middle";
-  EXPECT_STRNE(fault_of({5, 2, 3, 1, 3}), "") << "the hole in the middle";
-  EXPECT_STRNE(fault_of({5, 0, 8, 1, 2.5}), "") << "each other";
-  EXPECT_STRNE(fault_of({5, 1.8, 3, 0.5, 3}), "") << "not all of the middle is seen";
+  EXPECT_STRNE(fault_of(Drilled{5, 5, 0, 0, 0}), "");
+  EXPECT_STRNE(fault_of(Drilled{5, 0, 3, 1, 4}), "") << "the rim";
+  EXPECT_STRNE(fault_of(Drilled{5, 0, 3, 1, 1}), "") << "the middle";
+  EXPECT_STRNE(fault_of(Drilled{5, 2, 3, 1, 3}), "") << "the hole in the middle";
+  EXPECT_STRNE(fault_of(Drilled{5, 0, 8, 1, 2.5}), "") << "each other";
+  EXPECT_STRNE(fault_of(Drilled{5, 1.8, 3, 0.5, 3}), "") << "not all of the middle is seen";
 }
 
 TEST(Extruded, lobes_have_the_area_of_their_union) {
@@ -343,6 +344,51 @@ TEST(Extruded, lobes_have_the_area_of_their_union) {
     }
     EXPECT_NEAR(area_of_lobes(count, radius, spread) / (4 * reach * reach * inside / kAcross / kAcross), 1, 1e-3);
   }
+}
+
+TEST(Blades, a_paddle_wheel_has_the_area_of_its_shaft_and_its_blades_and_twists) {
+  for (const auto& [blades, thickness] : {std::tuple(1, 0.5), {2, 1.2}, {4, 0.3}, {7, 0.6}}) {
+    SCOPED_TRACE(fmt::format("{} blades of {}", blades, thickness));
+    const PaddleWheel wheel{1, 3, thickness, blades};
+    ASSERT_STREQ(fault_of(wheel), "");
+    // how many of many points lie in the disc or in a bar: another way to the area
+    int inside = 0;
+    constexpr int kAcross = 1000;
+    for (int i = 0; i < kAcross * kAcross; ++i) {
+      const double x = 3 * (2.0 * (i % kAcross + 0.5) / kAcross - 1), y = 3 * (2.0 * (i / kAcross + 0.5) / kAcross - 1);
+      bool is_inside = std::hypot(x, y) < 1;
+      for (int b = 0; b < blades; ++b) {
+        const double c = std::cos(2 * kPi * b / blades), s = std::sin(2 * kPi * b / blades), along = c * x + s * y;
+        const bool in_bar = std::abs(c * y - s * x) < 0.5 * thickness && along > 0 && along < std::sqrt(9 - 0.25 * thickness * thickness);
+        is_inside = is_inside || in_bar;
+      }
+      inside += is_inside ? 1 : 0;
+    }
+    EXPECT_NEAR(area_of(wheel) / (36.0 * inside / kAcross / kAcross), 1, 2e-3);
+    const double gap = 2 * kPi / blades - 2 * std::asin(0.5 * thickness);
+    const auto segments = static_cast<int>(std::lround(2 * kPi * 10 / gap));  // ten steps between two blades, then twenty
+    for (const double turn : {0.0, 0.7, -2.0}) {
+      double error[2];
+      for (int k = 0; k < 2; ++k) {
+        const MeshCheck check = check_mesh(extruded(section_of(wheel, (k + 1) * segments), 2, turn, turn == 0 ? 1 : k == 0 ? 40 : 80));
+        EXPECT_TRUE(check.is_solid());
+        error[k] = 1 - check.mass.volume / (2 * area_of(wheel));
+      }
+      EXPECT_LT(std::abs(error[1]), 1e-2);
+      EXPECT_NEAR(error[0] / error[1], 4, 0.6) << "second order, turned by " << turn;
+    }
+  }
+  EXPECT_STRNE(fault_of(PaddleWheel{1, 1, 0.1, 2}), "");
+  EXPECT_STRNE(fault_of(PaddleWheel{1, 3, 2, 2}), "");
+  EXPECT_STRNE(fault_of(PaddleWheel{1, 3, 0.9, 8}), "");
+}
+
+TEST(Extruded, a_twisted_prism_of_a_circle_is_the_prism) {
+  // corners a step of the circle apart stand above each other
+  constexpr int kCorners = 24;
+  const CrossSection disc = drilled({1, 0, 0, 0, 0}, kCorners, 0);
+  for (const double sign : {1.0, -1.0})
+    EXPECT_NEAR(check_mesh(extruded(disc, 3, sign * 2 * kPi * 6 / kCorners, 6)).mass.volume, 3 * area_of_polygon(kCorners), 1e-13);
 }
 
 TEST(Primitives, a_straight_rod_is_a_prism_and_a_u_follows_its_path) {

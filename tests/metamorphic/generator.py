@@ -339,6 +339,30 @@ def drum(d):
     d.axis, d.closed = (1, middle), "open" not in shape
 
 
+@container(2)
+def trough_with_machine(d):
+    """A trough with a screw or paddles in it, below the bodies; either may be missing."""
+    rim = d.radius * d.between(1.5, 3)
+    radius = max(rim + 2.5 * d.margin, float(d.size[1]) / 2 + d.gap) / math.cos(math.pi / 8)
+    low, high = float(d.room[0][0]) - 2 * d.gap, float(d.room[1][0]) + 2 * d.gap
+    d.room = d.room + [0, 0, rim]
+    machine = d.pick({"screw": 3, "paddles": 2, "none": 1})
+    inset = 0.1 * (high - low)
+    shaft = {"start": [low + inset, 0, 0], "end": [high - inset, 0, 0], "radius": rim, "shaft": rim * d.between(0.2, 0.6), "segments": d.random.choice([6, 8, 12])}
+    trough = {"start": [low, 0, 0], "end": [high, 0, 0], "radius": radius, "height": float(d.room[1][2]) + d.gap, "segments": d.random.choice([8, 12, 16])}
+    if d.chance(0.15):
+        trough["open"] = d.random.sample(["start", "end"], d.random.randint(1, 2))
+    d.wall({"trough": trough})
+    length = high - low - 2 * inset
+    if machine == "screw":
+        starts = d.random.randint(1, 2)
+        pitch = length / d.between(0.5, 2)
+        d.wall({"screw": shaft | {"pitch": pitch * d.random.choice([1, -1]), "thickness": pitch / starts * d.between(0.1, 0.4)} | ({"starts": starts} if starts > 1 else {})})
+    if machine == "paddles":
+        d.wall({"paddles": shaft | {"count": d.random.randint(1, 4), "width": rim * d.between(0.2, 0.8), "thickness": rim * d.between(0.1, 0.3),
+                                    "angle": d.between(-1, 1), "turn": d.between(0, math.pi)}})
+
+
 @container(3)
 def surface_from_file(d):
     name = d.random.choice(sorted(solids.SURFACES))

@@ -10,7 +10,7 @@ from dimensions import in_other_units
 from model import Case, Mesh
 from tools import NotApplicable
 
-TURNED_BY_PLACE = ("file", "hopper", "drum", "plate", "disc", "box", "cone", "cylinder")   # walls that are meshes
+TURNED_BY_PLACE = ("file", "hopper", "drum", "plate", "disc", "box", "cone", "cylinder", "trough", "screw", "paddles")   # walls that are meshes
 
 
 def is_cut(case):
@@ -224,6 +224,10 @@ def mirror_form(wall, kind, shape):
         shape["open"] = [{"-x": "+x", "+x": "-x"}.get(side, side) for side in shape.get("open", [])]
         if not shape["open"]:
             del shape["open"]
+    elif kind == "trough" and shape["start"][1:] == [0, 0] == shape["end"][1:]:
+        shape["start"][0], shape["end"][0] = -shape["end"][0], -shape["start"][0]
+        if "open" in shape:
+            shape["open"] = [{"start": "end", "end": "start"}[side] for side in shape["open"]]
     elif kind == "hopper" and (isinstance(shape["outlet"], list) or shape.get("segments", 64) % 4 == 0):
         pass
     else:

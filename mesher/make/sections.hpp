@@ -1,23 +1,9 @@
-// Solids of constant cross-section along z: lobes and cylinders with holes, as catalysts and packings are pressed or extruded.
+// Cross-sections of lobes and of cylinders with holes, as catalysts and packings are pressed or extruded.
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <vector>
-
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/geometry/extruded.hpp"
 
 namespace scree {
-
-/// A cross-section in the plane, in triangles. Lengths in metres.
-struct CrossSection {
-  std::vector<std::array<double, 2>> points;
-  std::vector<std::array<std::int32_t, 3>> triangles;  ///< counter-clockwise
-  std::vector<std::vector<std::int32_t>> loops;        ///< borders, the solid to their left: the outer one counter-clockwise
-};
-
-/// The solid of this cross-section, from -height / 2 to height / 2, with flat ends.
-TriangleMesh extruded(const CrossSection& section, double height);
 
 /// The union of `count` discs of `radius` whose centres lie `spread` from the axis, at equal angles: trilobes, quadrilobes. A gap in the
 /// middle, which discs leave open where spread > radius and count > 2, is filled. Each lobe has `steps` edges, with vertices on its circle.

@@ -1,4 +1,4 @@
-#include "mesher/make/extruded.hpp"
+#include "mesher/make/sections.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -51,29 +51,6 @@ std::vector<std::int32_t> reversed(std::vector<std::int32_t> loop) {
   std::reverse(loop.begin(), loop.end());
   return loop;
 }
-
-}  // namespace
-
-TriangleMesh extruded(const CrossSection& section, double height) {
-  TriangleMesh mesh;
-  const auto count = static_cast<std::int32_t>(section.points.size());
-  for (const double z : {-0.5 * height, 0.5 * height})
-    for (const auto& [x, y] : section.points) mesh.vertices.push_back({x, y, z});
-  for (const auto& [a, b, c] : section.triangles) {
-    mesh.triangles.push_back({a, c, b});
-    mesh.triangles.push_back({count + a, count + b, count + c});
-  }
-  for (const std::vector<std::int32_t>& loop : section.loops) {
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      const std::int32_t a = loop[i], b = loop[(i + 1) % loop.size()];
-      mesh.triangles.push_back({a, b, count + b});
-      mesh.triangles.push_back({a, count + b, count + a});
-    }
-  }
-  return mesh;
-}
-
-namespace {
 
 /// Of a lobe about the x axis: the angle, seen from the middle of its circle, at which its border meets that of the next. The two meet at
 /// the angle pi / count, seen from the axis.
