@@ -28,6 +28,7 @@ double gap_to_zone(const PairView& view) {
 }  // namespace
 
 double gap_of(const PairView& view, double reach, MeshDistanceScratch& scratch, TrianglePair& nearest) {
+  // (reach + margin) - margin may be below reach by rounding: what is not found within is at reach, and conducts in no list of pairs
   const double within = reach + view.margin;
   switch (view.geometry) {
     case PairGeometry::two_spheres:
@@ -37,10 +38,13 @@ double gap_of(const PairView& view, double reach, MeshDistanceScratch& scratch, 
     case PairGeometry::sphere_mesh: {
       const PairBody& sphere = view.a.shape->kind == ShapeKind::sphere ? view.a : view.b;
       const double radius = sphere.scale * sphere.shape->rounding;
-      return surface_distance(view.a, view.b, within + radius, scratch, nearest) - radius - view.margin;
+      const double distance = surface_distance(view.a, view.b, within + radius, scratch, nearest);
+      return distance < within + radius ? distance - radius - view.margin : reach;
     }
-    case PairGeometry::two_meshes:
-      return surface_distance(view.a, view.b, within, scratch, nearest) - view.margin;
+    case PairGeometry::two_meshes: {
+      const double distance = surface_distance(view.a, view.b, within, scratch, nearest);
+      return distance < within ? distance - view.margin : reach;
+    }
   }
   return reach;
 }
