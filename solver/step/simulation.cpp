@@ -219,7 +219,7 @@ void Simulation::move_bodies() {
   Balance& balance = decomposition_.balance();
   const WorkTimer work(balance.computing(), balance.weight_of(step()));
   begin_step(state_.integrator, state_.particles, state_.clock.dt, state_.fluid_forces());
-  if (state_.scene.periodicity().any()) wrap_positions(state_.scene.periodicity(), state_.particles);
+  if (state_.scene.periodicity().any()) wrap_positions(state_.particles);
   failure_.watch(step(), [&] { for_each_effect(&Effect::drift); });
   state_.clock.advance();
   const auto cause_of = [this](std::size_t row) {
