@@ -138,6 +138,21 @@ json inlet_json(const Inlet& inlet) {
   return j;
 }
 
+CellControl read_cell(const JsonObject& o, const Settings& s) {
+  CellControl cell;
+  const auto read = [&](const char* name, void (*keys)(KeyVisitor&, CellControl&)) {
+    const JsonObject part = o.object(name);
+    JsonKeyReader reader(part);
+    keys(reader, cell);
+  };
+  read("strain_rate", strain_rate_keys);
+  read("stress", stress_keys);
+  read("stop_when", cell_stop_keys);
+  if (const CellBlocker blocker = cell_blocker(s); blocker.key != nullptr)
+    throw InputError("{}: does not go with {}: {}; the file is damaged", o.where(), blocker.key, blocker.why);
+  return cell;
+}
+
 Settings read_settings(const JsonObject& o) {
   Settings s;
   // of files that were written before there was a choice
@@ -167,6 +182,7 @@ Settings read_settings(const JsonObject& o) {
     JsonKeyReader heat_reader(heat);
     heat_keys(heat_reader, s.heat.emplace());
   }
+  if (o.has("cell")) s.cell = read_cell(o.object("cell"), s);  // added later
   return s;
 }
 
@@ -376,6 +392,16 @@ json settings_json(const Scene& scene) {
   if (s.heat) {
     JsonKeyWriter heat_writer(t["heat"]);
     heat_keys(heat_writer, *s.heat);
+  }
+  if (s.cell) {
+    json& cell = t["cell"];
+    const auto write = [&](const char* name, void (*keys)(KeyVisitor&, CellControl&)) {
+      JsonKeyWriter part_writer(cell[name] = json::object());
+      keys(part_writer, *s.cell);
+    };
+    write("strain_rate", strain_rate_keys);
+    write("stress", stress_keys);
+    write("stop_when", cell_stop_keys);
   }
   j["materials"] = json::array();
   for (Material m : scene.materials) {
