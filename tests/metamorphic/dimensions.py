@@ -70,6 +70,7 @@ DIMENSIONS = {
     "walls.*.shape.plane.point": (1, 0, 0),
     "walls.*.shape.plate.corner": (1, 0, 0), "walls.*.shape.plate.side_a": (1, 0, 0), "walls.*.shape.plate.side_b": (1, 0, 0),
     "walls.*.shape.sphere_inside.centre": (1, 0, 0), "walls.*.shape.sphere_inside.radius": (1, 0, 0),
+    **{f"cell.strain_rate.{axis}": (0, 0, -1) for axis in "xyz"}, **{f"cell.stress.{axis}": (-1, 1, -2) for axis in "xyz"},
     "output.every": (0, 0, 1), "output.checkpoint": (0, 0, 1),
     # temperatures keep their unit
     "materials.*.heat_capacity": (2, 0, -2), "materials.*.conductivity": (1, 1, -3), "materials.*.real_young": (-1, 1, -2),
@@ -97,6 +98,7 @@ PLAIN = {
     "shapes.*.pieces.cells", "shapes.*.pieces.seed",
     "walls.*.shape.disc.segments", "walls.*.shape.cone.segments", "walls.*.shape.cylinder.segments", "walls.*.shape.drum.segments",
     "walls.*.shape.hopper.segments", "walls.*.shape.drum.lifters.count",
+    "cell.stop_when.strain", "cell.stop_when.stress_error", "cell.stop_when.kinetic_ratio",
     "heat.temperature", "bodies.*.temperature", "populations.*.temperature", "inlets.*.temperature", "walls.*.temperature",
     "walls.*.exchange.temperature",
 }
