@@ -108,6 +108,7 @@ constexpr std::array kDimensions{
     DimensionFacts{Dimension::conductivity, "a thermal conductivity", "W/(m K)", "42 W/(m K)", {1, 1, -3, 0, -1}},
     DimensionFacts{
         Dimension::heat_transfer, "a heat flow per area and difference of temperature", "W/(m^2 K)", "500 W/(m^2 K)", {1, 0, -3, 0, -1}},
+    DimensionFacts{Dimension::strain_rate, "a strain rate", "1/s", "0.1 1/s", {0, 0, -1, 0}},
 };
 
 const DimensionFacts& facts_of(Dimension dimension) {
@@ -272,7 +273,8 @@ std::string format_quantity(double value, Dimension dimension) {
   constexpr std::array kWithoutPrefix{Dimension::none,          Dimension::density,          Dimension::angle,
                                       Dimension::area,          Dimension::volume,           Dimension::moment_of_inertia,
                                       Dimension::mass_rate,     Dimension::angular_velocity, Dimension::temperature,
-                                      Dimension::heat_capacity, Dimension::conductivity,     Dimension::heat_transfer};
+                                      Dimension::heat_capacity, Dimension::conductivity,     Dimension::heat_transfer,
+                                      Dimension::strain_rate};
   if (value == 0.0 || !std::isfinite(value) || std::find(kWithoutPrefix.begin(), kWithoutPrefix.end(), dimension) != kWithoutPrefix.end()) {
     const char* unit = facts_of(dimension).unit;
     return *unit == '\0' ? fmt::format("{:.4g}", value) : fmt::format("{:.4g} {}", value, unit);

@@ -36,7 +36,8 @@ enum class Dimension {
   power,
   heat_capacity,
   conductivity,
-  heat_transfer
+  heat_transfer,
+  strain_rate
 };
 
 /// "a length [m]", for messages.

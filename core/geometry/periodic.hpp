@@ -24,8 +24,18 @@ class Periodicity {
     }
   }
 
+  /// A periodic domain with these periods [m] about a middle; 0 of an axis that is not periodic.
+  static Periodicity about(const Vec3& centre, const Vec3& period) {
+    Periodicity made;
+    made.lower_ = centre - 0.5 * period;
+    made.period_ = period;
+    made.any_ = !(period == Vec3{});
+    return made;
+  }
+
   bool any() const { return any_; }
   bool is_periodic(int axis) const { return period_[axis] > 0; }
+  const Vec3& lower() const { return lower_; }
   /// Length of each periodic axis [m], 0 for others.
   const Vec3& period() const { return period_; }
 

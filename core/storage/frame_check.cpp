@@ -65,6 +65,17 @@ class Checker {
     }
   }
 
+  void cell(const FrameCell& c) const {
+    if (c.size() != (scene_.settings.cell ? 1 : 0))
+      throw InputError("{}: has {} periodic cells, which the scene does not ask for; {}", path_, c.size(), kNotOfThisScene);
+    for (std::size_t i = 0; i < c.size(); ++i) {
+      for (int k = 0; k < 3; ++k) {
+        if (!(c.lower[i][k] < c.upper[i][k]) || !std::isfinite(c.upper[i][k] - c.lower[i][k]))
+          throw wrong("the periodic cell", "corners that are none");
+      }
+    }
+  }
+
   void maps(const FrameLoads& loads, const FrameWear& wear) const {
     for (std::size_t i = 0; i < loads.size(); ++i)
       index(row_of("loads", i), "triangle", loads.triangle[i], mesh_of(loads.wall[i], "its loads").triangles.size());
@@ -128,6 +139,7 @@ void check_frame(const Scene& scene, const Frame& frame, const std::string& path
   const Checker check(scene, path);
   check.bodies(frame.bodies, !scene.inlets.empty() || has_program || is_written_by_program(*frame.provenance));
   check.walls(frame.walls);
+  check.cell(frame.cell);
   check.maps(frame.loads, frame.wear);
   check.materials(frame.impacts, "impacts");
   check.materials(frame.losses, "losses");

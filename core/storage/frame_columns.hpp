@@ -84,6 +84,14 @@ enum FrameUse : unsigned {
   column(std::int64_t, wall, "wear/wall", "", "", kFileOnly, "id") \
   column(Vec3, vertex, "wear/vertex", "m", "", kFileOnly, "axes and scale of the wall's mesh")
 
+/// The periodic cell of a scene with [cell], one row: column(type, name, path, unit, csv, uses, what it is)
+#define SCREE_FRAME_CELL(column) \
+  column(Vec3, lower, "cell/lower", "m", "", kFileOnly, "its corner") \
+  column(Vec3, upper, "cell/upper", "m", "", kFileOnly, "the opposite corner") \
+  column(Vec3, rate, "cell/rate", "1/s", "", kFileOnly, "(dh/dt) / h of each length") \
+  column(Vec3, normal_stress, "cell/normal_stress", "Pa", "", kFileOnly, "xx, yy, zz, positive in compression") \
+  column(Vec3, shear_stress, "cell/shear_stress", "Pa", "", kFileOnly, "yz, xz, xy")
+
 /// Where impacts are recorded, of pairs of materials by bin of energy, those that have some; sums since the start of the run:
 /// column(type, name, path, unit, csv, uses, what it is)
 #define SCREE_FRAME_IMPACTS(column) \

@@ -84,6 +84,7 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   check_sizes(frame.walls);
   check_sizes(frame.loads);
   check_sizes(frame.wear);
+  check_sizes(frame.cell);
   check_sizes(frame.impacts);
   check_sizes(frame.losses);
   check_sizes(frame.bonds);
@@ -94,11 +95,12 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   // what only rank 0 knows
   struct {
     FrameScalars scalars;
-    std::int64_t wall_count, load_count, wear_count, impact_count, loss_count;
+    std::int64_t wall_count, load_count, wear_count, cell_count, impact_count, loss_count;
   } header{frame,
            static_cast<std::int64_t>(frame.walls.size()),
            static_cast<std::int64_t>(frame.loads.size()),
            static_cast<std::int64_t>(frame.wear.size()),
+           static_cast<std::int64_t>(frame.cell.size()),
            static_cast<std::int64_t>(frame.impacts.size()),
            static_cast<std::int64_t>(frame.losses.size())};
   static_assert(std::is_trivially_copyable_v<decltype(header)>);
@@ -107,7 +109,8 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   const Rows bodies = distribute(communicator, static_cast<std::int64_t>(frame.bodies.size()));
   const Rows contacts = distribute(communicator, static_cast<std::int64_t>(frame.contacts.size()));
   const auto of_root = [&](std::int64_t rows) { return Rows{rank == 0 ? rows : 0, rank == 0 ? 0 : rows, rows}; };
-  const Rows walls = of_root(header.wall_count), loads = of_root(header.load_count), wear = of_root(header.wear_count);
+  const Rows walls = of_root(header.wall_count), loads = of_root(header.load_count), wear = of_root(header.wear_count),
+             cell = of_root(header.cell_count);
   const Rows impacts = of_root(header.impact_count), losses = of_root(header.loss_count);
 
   const Rows bonds = frame.has_bonds ? distribute(communicator, static_cast<std::int64_t>(frame.bonds.size())) : Rows{};
@@ -119,7 +122,7 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
                              bytes_per_row<FrameImpacts>() * CollectiveFile::rows_on_disk(impacts.total) +
                              bytes_per_row<FrameLosses>() * CollectiveFile::rows_on_disk(losses.total) +
                              bytes_per_row<FrameWear>() * CollectiveFile::rows_on_disk(wear.total) +
-                             static_cast<std::int64_t>(provenance.size()) + kPieceOverhead * size;
+                             bytes_per_row<FrameCell>() * cell.total + static_cast<std::int64_t>(provenance.size()) + kPieceOverhead * size;
 
   CollectiveFile file(communicator, path, bytes, CollectiveFile::Kind::plain);
   const h5::Group& root = file.root();
@@ -131,6 +134,7 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   write_columns(file, root.create_group("walls"), "walls", rank == 0 ? frame.walls : FrameWalls{}, walls);
   if (loads.total > 0) write_columns(file, root.create_group("loads"), "loads", rank == 0 ? frame.loads : FrameLoads{}, loads);
   if (wear.total > 0) write_columns(file, root.create_group("wear"), "wear", rank == 0 ? frame.wear : FrameWear{}, wear);
+  if (cell.total > 0) write_columns(file, root.create_group("cell"), "cell", rank == 0 ? frame.cell : FrameCell{}, cell);
   if (losses.total > 0) {
     write_columns(file, root.create_group("losses"), "losses", rank == 0 ? frame.losses : FrameLosses{}, losses);
     write_columns(file, root.create_group("impacts"), "impacts", rank == 0 ? frame.impacts : FrameImpacts{}, impacts);
@@ -222,6 +226,7 @@ Frame read_frame_file(const std::string& path, FrameParts parts) {
   });
   frame.bodies = read_bodies(root);
   frame.walls = read_columns<FrameWalls>(root);
+  if (root.has("cell")) frame.cell = read_columns<FrameCell>(root);
   if (parts == FrameParts::bodies) return frame;
   frame.contacts = read_contacts(root);
   if (root.has("loads")) frame.loads = read_columns<FrameLoads>(root);

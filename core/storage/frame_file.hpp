@@ -118,6 +118,16 @@ struct FrameWear {
     SCREE_FRAME_WEAR(SCREE_FRAME_VISIT)
   }
 };
+/// The periodic cell where it deforms: one row.
+struct FrameCell {
+  SCREE_FRAME_CELL(SCREE_FRAME_MEMBER)
+  std::size_t size() const { return lower.size(); }
+  template <class Action>
+  static void visit(Action&& action) {
+    using Self = FrameCell;
+    SCREE_FRAME_CELL(SCREE_FRAME_VISIT)
+  }
+};
 /// Bins of energy that have impacts, by pair of materials.
 struct FrameImpacts {
   SCREE_FRAME_IMPACTS(SCREE_FRAME_MEMBER)
@@ -165,6 +175,7 @@ struct Frame : FrameScalars {
   FrameImpacts impacts;    ///< empty before the first impact, and where none are recorded
   FrameLosses losses;      ///< empty where impacts are not recorded
   FrameWear wear;          ///< empty where no wall wears
+  FrameCell cell;          ///< empty where the domain stays as it is
   bool has_bonds = false;  ///< whether the scene has bonds, broken ones included; the same on every rank
   FrameBonds bonds;
   JsonRecord provenance;
@@ -199,8 +210,8 @@ void take_rows(Rows& rows, const std::vector<std::size_t>& indices) {
   });
 }
 
-/// Collective: every rank gives its own bodies and contacts (possibly none); walls, loads, impacts, losses, wear and scalars are rank 0's.
-/// Written under a temporary name and renamed by rank 0 when complete. Throws SystemError on every rank.
+/// Collective: every rank gives its own bodies and contacts (possibly none); walls, loads, impacts, losses, wear, cell and scalars are rank
+/// 0's. Written under a temporary name and renamed by rank 0 when complete. Throws SystemError on every rank.
 void write_frame_file(MPI_Comm communicator, const std::string& path, const Frame& frame);
 
 /// What rows of bodies and contacts take in a file, as if nothing in it could be compressed.

@@ -241,6 +241,18 @@ struct Heat {
   bool has_gas() const { return gas_conductivity > 0; }
 };
 
+/// How a periodic cell deforms, axis by axis: at a given rate, or so that it has a given stress. Compression is positive. An axis that has
+/// neither keeps its length.
+struct CellControl {
+  Vec3 strain_rate;               ///< [1/s]
+  Vec3 stress;                    ///< [Pa]; 0: none is asked for
+  double stop_strain = 0;         ///< of any axis that ends the run; 0: none
+  double stop_stress_error = 0;   ///< the same with stop_kinetic_ratio: of all axes with a stress, over the largest of them
+  double stop_kinetic_ratio = 0;  ///< kinetic energy over that of contacts
+  bool by_stress(int axis) const { return stress[axis] > 0; }
+  bool any_by_stress() const { return by_stress(0) || by_stress(1) || by_stress(2); }
+};
+
 /// Settings, as the case file gives them; SI.
 struct Settings {
   std::string title;
@@ -255,8 +267,9 @@ struct Settings {
   bool sleep = false;             ///< bodies at rest are not computed until something disturbs them
   double sleep_tolerance = 1e-3;  ///< [-] of its weight: a change of force that a body at rest does not answer to
   Domain domain;
-  std::optional<Fluid> fluid;  ///< none: bodies move in a void
-  std::optional<Heat> heat;    ///< none: bodies have no temperature
+  std::optional<Fluid> fluid;       ///< none: bodies move in a void
+  std::optional<Heat> heat;         ///< none: bodies have no temperature
+  std::optional<CellControl> cell;  ///< none: the domain stays as it is
   ContactLaw law = ContactLaw::linear;
   Gathering gather = Gathering::potential;
   VertexWeights weights = VertexWeights::density;
@@ -287,6 +300,16 @@ inline const char* frozen_blocker(const Settings& s) {
          : s.fluid                                  ? "a table [fluid]"
                                                     : nullptr;
 }
+
+/// What of the settings a cell that deforms does not go with: its key, and why; null: nothing.
+struct Scene;
+struct CellBlocker {
+  const char* key = nullptr;
+  const char* why = "";
+};
+CellBlocker cell_blocker(const Settings& s);
+/// The same of all that a scene has besides.
+CellBlocker cell_blocker(const Scene& scene);
 
 /// The pre-partition. Owners are with the bodies; a recursive coordinate bisection has one leaf box per rank too.
 struct Partition {

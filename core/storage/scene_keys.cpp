@@ -89,6 +89,29 @@ void heat_keys(KeyVisitor& k, Heat& h) {
            Dimension::length, Range::positive);
 }
 
+void strain_rate_keys(KeyVisitor& k, CellControl& c) {
+  constexpr const char* kMeaning = "of the length along this axis, `-(dh/dt) / h`: positive as it becomes shorter";
+  k.number({"x", "", kMeaning}, c.strain_rate.x, Dimension::strain_rate, Range::any);
+  k.number({"y", "", kMeaning}, c.strain_rate.y, Dimension::strain_rate, Range::any);
+  k.number({"z", "", kMeaning}, c.strain_rate.z, Dimension::strain_rate, Range::any);
+}
+
+void stress_keys(KeyVisitor& k, CellControl& c) {
+  constexpr const char* kMeaning = "normal stress across this axis, positive in compression";
+  k.number({"x", "none", kMeaning}, c.stress.x, Dimension::pressure, Range::positive);
+  k.number({"y", "none", kMeaning}, c.stress.y, Dimension::pressure, Range::positive);
+  k.number({"z", "none", kMeaning}, c.stress.z, Dimension::pressure, Range::positive);
+}
+
+void cell_stop_keys(KeyVisitor& k, CellControl& c) {
+  k.number({"strain", "none", "of any axis, `ln(h / h_start)` without its sign"}, c.stop_strain, Dimension::none, Range::positive);
+  k.number({"stress_error", "none",
+            "largest difference of a stress from its target, over the largest target; with `kinetic_ratio`, if given, both at once"},
+           c.stop_stress_error, Dimension::none, Range::positive);
+  k.number({"kinetic_ratio", "none", "kinetic energy over the energy stored in contacts; with `stress_error`, if given, both at once"},
+           c.stop_kinetic_ratio, Dimension::none, Range::positive);
+}
+
 void contact_keys(KeyVisitor& k, Settings& s) {
   k.word({"law", "",
           "force law: a linear spring or Hertz's; restitution independent of speed, or (`hunt-crossley`) a force without a jump at touch",

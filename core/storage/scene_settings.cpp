@@ -138,6 +138,21 @@ json inlet_json(const Inlet& inlet) {
   return j;
 }
 
+CellControl read_cell(const JsonObject& o, const Settings& s) {
+  CellControl cell;
+  const auto read = [&](const char* name, void (*keys)(KeyVisitor&, CellControl&)) {
+    const JsonObject part = o.object(name);
+    JsonKeyReader reader(part);
+    keys(reader, cell);
+  };
+  read("strain_rate", strain_rate_keys);
+  read("stress", stress_keys);
+  read("stop_when", cell_stop_keys);
+  if (const CellBlocker blocker = cell_blocker(s); blocker.key != nullptr)
+    throw InputError("{}: does not go with {}: {}; the file is damaged", o.where(), blocker.key, blocker.why);
+  return cell;
+}
+
 Settings read_settings(const JsonObject& o) {
   Settings s;
   // of files that were written before there was a choice
@@ -171,6 +186,7 @@ Settings read_settings(const JsonObject& o) {
         s.heat->source_tables.push_back(TimeTable::read(table, "power", "powers"));
     }
   }
+  if (o.has("cell")) s.cell = read_cell(o.object("cell"), s);  // added later
   return s;
 }
 
@@ -383,6 +399,16 @@ json settings_json(const Scene& scene) {
     JsonKeyWriter heat_writer(t["heat"]);
     heat_keys(heat_writer, *s.heat);
     for (const TimeTable& table : s.heat->source_tables) t["heat"]["source_tables"].push_back({{"power", table.json()}});
+  }
+  if (s.cell) {
+    json& cell = t["cell"];
+    const auto write = [&](const char* name, void (*keys)(KeyVisitor&, CellControl&)) {
+      JsonKeyWriter part_writer(cell[name] = json::object());
+      keys(part_writer, *s.cell);
+    };
+    write("strain_rate", strain_rate_keys);
+    write("stress", stress_keys);
+    write("stop_when", cell_stop_keys);
   }
   j["materials"] = json::array();
   for (Material m : scene.materials) {

@@ -173,6 +173,21 @@ void check_heat(const CaseTable& t, const Case& c) {
   if (!c.bonds.empty()) throw t.error("heat", "does not go with [[bonds]]: what a bond conducts is not modelled; leave out one of both");
 }
 
+/// What a cell that deforms does not go with beside settings: cell_blocker() of a scene, with the places in the case.
+void check_cell(const CaseTable& t, const Case& c) {
+  if (!c.settings.cell) return;
+  const auto refuse = [](const std::string& where, const char* why) { throw UsageError("{}: does not go with [cell]: {}", where, why); };
+  constexpr const char* kMomentum = "the momentum of all bodies together must stay 0; leave out one of both";
+  if (!c.walls.empty()) refuse(c.walls.front().where, "walls do not deform with it; leave out one of both");
+  if (!c.inlets.empty()) refuse(c.inlets.front().where, kMomentum);
+  if (!c.outlets.empty()) throw t.error("outlets", fmt::format("does not go with [cell]: {}", kMomentum));
+  if (!c.bonds.empty()) throw t.error("bonds", "does not go with [cell]: forces of bonds are not part of the stress that it measures");
+  for (const CaseBody& b : c.bodies) {
+    if (length(b.force) > 0) refuse(b.where + ".force", kMomentum);
+    if (b.fixed) refuse(b.where + ".fixed", "a fixed body would not go with it; leave out one of both");
+  }
+}
+
 void pair_section(CaseKeys& k, Case& c) {
   CasePair p;
   std::vector<std::string> between;
@@ -261,6 +276,7 @@ void case_keys(CaseKeys& k, Case& c) {
   inlet_sections(k, c);
   bond_sections(k, c);
   if (k.table() != nullptr) check_heat(*k.table(), c);
+  if (k.table() != nullptr) check_cell(*k.table(), c);
 }
 
 std::vector<KeyDescription> describe_case() {

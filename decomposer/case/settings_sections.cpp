@@ -84,6 +84,26 @@ void contact_section(CaseKeys& k, Case& c) {
     throw t->error("gather", "\"area\" needs contact.margin, the thickness of the elastic layer");
 }
 
+/// Returns where it is, for what it does not go with, which is known later.
+std::string cell_section(CaseKeys& k, CellControl& cell) {
+  k.section({"strain_rate", "none"}, [&](CaseKeys& below) { strain_rate_keys(below, cell); });
+  const Vec3 rate = cell.strain_rate;
+  k.section({"stress", "none"}, [&](CaseKeys& below) {
+    stress_keys(below, cell);
+    for (int axis = 0; below.table() != nullptr && axis < 3; ++axis) {
+      const char name[2] = {"xyz"[axis], 0};
+      if (cell.by_stress(axis) && rate[axis] != 0)
+        throw below.table()->error(name, "has a strain_rate as well; an axis follows one of both");
+    }
+  });
+  k.section({"stop_when", "the run ends at `time.duration`"}, [&](CaseKeys& below) {
+    cell_stop_keys(below, cell);
+    if (below.table() != nullptr && cell.stop_stress_error > 0 && !cell.any_by_stress())
+      throw below.table()->error("stress_error", "no axis has a target; give one in cell.stress, or leave stress_error out");
+  });
+  return k.table() == nullptr ? std::string() : k.table()->where();
+}
+
 }  // namespace
 
 void settings_sections(CaseKeys& k, Case& c) {
@@ -109,6 +129,9 @@ void settings_sections(CaseKeys& k, Case& c) {
     }
   });
   k.section({"heat", "bodies have no temperature, at no cost"}, [&](CaseKeys& below) { heat_keys(below, s.heat.emplace()); });
+  std::string where_cell;
+  k.section({"cell", "the domain stays as it is, at no cost"},
+            [&](CaseKeys& below) { where_cell = cell_section(below, s.cell.emplace()); });
   k.section({"contact"}, [&](CaseKeys& below) { contact_section(below, c); });
   k.section({"motion"}, [&](CaseKeys& below) { motion_keys(below, s); });
   s.output_every = s.duration / 100;
@@ -119,6 +142,9 @@ void settings_sections(CaseKeys& k, Case& c) {
           "impacts", "does not go with time.sleep, since losses of contacts that sleep are not recorded; leave out one of both");
     if (below.table() != nullptr) s.checkpoint_by_clock = !below.table()->has("checkpoint");  // 0 asks for none but the last
   });
+  if (where_cell.empty()) return;
+  if (const CellBlocker blocker = cell_blocker(s); blocker.key != nullptr)
+    throw UsageError("{}: does not go with {}: {}", where_cell, blocker.key, blocker.why);
 }
 
 }  // namespace scree

@@ -519,6 +519,19 @@ double container_volume(const Scene& scene) {
   return 0;
 }
 
-PackedScene build_scene(const Case& c, const ChildSolver& solver) { return Builder(c, solver).build(); }
+PackedScene build_scene(const Case& c, const ChildSolver& solver) {
+  if (!c.start || !c.settings.cell) return Builder(c, solver).build();
+  // bodies of a cell that has deformed lie in that cell
+  const std::optional<Box3> cell = read_run(c).cell;
+  if (!cell) return Builder(c, solver).build();
+  Case in_cell = c;
+  in_cell.settings.domain.lower = cell->lower;
+  in_cell.settings.domain.upper = cell->upper;
+  PackedScene packed = Builder(in_cell, solver).build();
+  const Vec3 extent = cell->extent();
+  packed.report.notices.push_back(fmt::format("domain.min and max are those of the periodic cell of {}, {:g} x {:g} x {:g} m", c.start->run,
+                                              extent.x, extent.y, extent.z));
+  return packed;
+}
 
 }  // namespace scree

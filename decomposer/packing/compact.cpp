@@ -178,6 +178,7 @@ class Compactor {
     s.law = ContactLaw::linear;
     s.gather = Gathering::potential;
     s.gravity = {};
+    s.cell.reset();
     s.margin = margin;
     s.surface = goes_with_size() ? TouchAt::drawn : TouchAt::outside;
     s.margin_ratio = goes_with_size() ? margin / (scale * largest_) : 0;

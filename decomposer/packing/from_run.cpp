@@ -18,6 +18,7 @@
 #include "core/storage/run_files.hpp"
 #include "core/storage/wall_state.hpp"
 #include "core/storage/wall_zones.hpp"
+#include "decomposer/packing/cell_of_run.hpp"
 
 namespace scree {
 
@@ -134,6 +135,7 @@ class RunReader {
     check_frame(from_.scene, frame, path);
     take_input(path, std::move(frame.provenance));
     from_.start.time = frame.time;
+    from_.cell = cell_of(frame, case_);
     for (std::size_t w = 0; w < from_.scene.walls.size() && w < frame.walls.size(); ++w) {
       if (from_.scene.walls[w].motion.drive()) stood(w, frame.walls.position[w], frame.walls.orientation[w]);
     }
@@ -181,6 +183,7 @@ class RunReader {
     take_input(path, nlohmann::json::parse(root.read_text("provenance"), nullptr, false));
     from_.start.time = static_cast<double>(root.read_integer_attribute("step")) * root.read_double_attribute("step_size");
     if (root.has_attribute("largest_id")) use(root.read_integer_attribute("largest_id"));
+    from_.cell = cell_of(root, from_.scene, case_);
     read_bodies(root);
     if (root.has("drives")) {
       const auto way = root.open_group("drives").read_array<double>("way", 1);

@@ -20,6 +20,7 @@
 #include "core/chart/svg_chart.hpp"
 #include "core/storage/h5.hpp"
 #include "post/report/case_sections.hpp"
+#include "post/report/cell_section.hpp"
 #include "post/report/html.hpp"
 #include "post/report/report_style.hpp"
 #include "post/report/verdicts.hpp"
@@ -36,17 +37,6 @@
 namespace scree {
 
 namespace {
-
-/// A chart with a link to its numbers, which stand in the page too.
-template <class Chart>
-std::string figure(const Chart& chart) {
-  std::string name;
-  for (const char c : chart.title) name += std::isalnum(static_cast<unsigned char>(c)) != 0 ? static_cast<char>(std::tolower(c)) : '-';
-  return fmt::format(
-      "<figure class=\"chart\">{}<figcaption><a download=\"{}.csv\" href=\"data:text/csv;base64,{}\">numbers as "
-      "CSV</a></figcaption></figure>\n",
-      svg_of(chart), name, base64(csv_of(chart)));
-}
 
 /// Share of their way that fragments are moved by in the picture that shows them apart.
 constexpr double kApart = 0.5;
@@ -273,7 +263,8 @@ std::string energy_section(const Run& run) {
                     {"potential above its lowest", t, potential},
                     {"elastic", t, elastic},
                     {"dissipated", t, log.column("dissipated")}};
-  for (const auto& [column, title] : {std::pair{"wall_work", "wall work"}, std::pair{"outer_work", "work of outer forces"}}) {
+  for (const auto& [column, title] : {std::pair{"wall_work", "wall work"}, std::pair{"outer_work", "work of outer forces"},
+                                      std::pair{"cell_work", "work of the periodic cell"}}) {
     if (!log.has(column)) continue;
     const std::vector<double>& work = log.column(column);
     if (std::any_of(work.begin(), work.end(), [](double w) { return w != 0; })) energies.lines.push_back({title, t, work});
@@ -523,6 +514,9 @@ ReportResult write_report(const Run& run, const std::string& path, const ReportO
   if (has_load_maps(run.scene))
     sections.insert(std::find_if(sections.begin(), sections.end(), [](const auto& s) { return s[0] == "energies"; }),
                     {"loads", "Loads on walls", load_section(run)});
+  if (run.scene.settings.cell)
+    sections.insert(std::find_if(sections.begin(), sections.end(), [](const auto& s) { return s[0] == "energies"; }),
+                    {"cell", "Periodic cell", cell_section(run)});
   if (run.scene.settings.heat)
     sections.insert(std::find_if(sections.begin(), sections.end(), [](const auto& s) { return s[0] == "contacts"; }),
                     {"heat", "Heat", heat_section(run)});

@@ -394,6 +394,7 @@ EnergyBalance energy_balance(const Run& run) {
   balance.in_play.dissipated = at("dissipated", last);
   balance.in_play.wall_work = at("wall_work", last);
   balance.in_play.outer_work = at("outer_work", last);
+  balance.in_play.cell_work = at("cell_work", last);
   return balance;
 }
 

@@ -26,7 +26,7 @@ std::vector<double> over_neighbours(const Run& run, const Frame& frame, const st
     sum[static_cast<std::size_t>(row)] += value;
   };
   const bool counts = !what;
-  for (const NetworkLine& line : network_of(frame, periodicity_of(run.scene))) {
+  for (const NetworkLine& line : network_of(frame, periodicity_of(run.scene, frame))) {
     const double value = counts ? 1 : what(line);
     add(line.index_a, line.body_b, line.index_b, value, counts);
     add(line.index_b, line.body_a, line.index_a, value, counts);

@@ -33,12 +33,12 @@ class Connected {
 };
 
 /// Centre of mass of each group of bodies, through the short way of periodic sides about its first.
-std::map<std::int64_t, Vec3> centres(const Scene& scene, const FrameBodies& bodies, const std::vector<std::int64_t>& group) {
+std::map<std::int64_t, Vec3> centres(const Scene& scene, const FrameBodies& bodies, const Periodicity& period,
+                                     const std::vector<std::int64_t>& group) {
   struct Sum {
     Vec3 first, moment;
     double mass = 0;
   };
-  const Periodicity period = periodicity_of(scene);
   std::map<std::int64_t, Sum> sums;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     if (group[i] < 0) continue;
@@ -78,8 +78,9 @@ std::vector<Vec3> ways_apart(const Scene& scene, const Frame& frame) {
   const FrameBodies& bodies = frame.bodies;
   const std::vector<std::int64_t> fragment = fragment_ids(scene, bodies, frame.bonds.bond);
   const std::vector<std::int64_t> parent = fragment_ids(scene, bodies, all_bonds(scene));
-  const std::map<std::int64_t, Vec3> of_fragment = centres(scene, bodies, fragment), of_parent = centres(scene, bodies, parent);
-  const Periodicity period = periodicity_of(scene);
+  const Periodicity period = periodicity_of(scene, frame);
+  const std::map<std::int64_t, Vec3> of_fragment = centres(scene, bodies, period, fragment),
+                                     of_parent = centres(scene, bodies, period, parent);
   std::vector<Vec3> ways(bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     if (fragment[i] >= 0) ways[i] = period.nearest(of_fragment.at(fragment[i]) - of_parent.at(parent[i]));
@@ -96,7 +97,7 @@ Frame taken_apart(const Scene& scene, Frame frame, double share) {
 std::vector<BondFace> bond_faces(const Scene& scene, const Frame& frame) {
   const FrameBodies& bodies = frame.bodies;
   const BodyRows row_of(bodies);
-  const Periodicity period = periodicity_of(scene);
+  const Periodicity period = periodicity_of(scene, frame);
   std::vector<BondFace> faces;
   for (std::size_t k = 0; k < frame.bonds.size(); ++k) {
     const Bond& bond = scene.bonds[static_cast<std::size_t>(frame.bonds.bond[k])];

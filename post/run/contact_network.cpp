@@ -14,7 +14,8 @@ std::int32_t BodyRows::operator()(std::int64_t id) const {
   return it != id_.begin() + most && *it == id ? static_cast<std::int32_t>(it - id_.begin()) : -1;
 }
 
-Periodicity periodicity_of(const Scene& scene) {
+Periodicity periodicity_of(const Scene& scene, const Frame& frame) {
+  if (frame.cell.size() > 0) return Periodicity(frame.cell.lower[0], frame.cell.upper[0], {true, true, true});
   const Domain& domain = scene.settings.domain;
   return domain.bounded ? Periodicity(domain.lower, domain.upper, domain.periodic) : Periodicity();
 }

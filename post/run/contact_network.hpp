@@ -29,7 +29,8 @@ struct NetworkLine {
 /// in   frame   as read: bodies by ascending id, contacts by (a, b)
 std::vector<NetworkLine> network_of(const Frame& frame, const Periodicity& period);
 
-Periodicity periodicity_of(const Scene& scene);
+/// The periodic axes of a frame: those of the scene, or of a cell that deforms.
+Periodicity periodicity_of(const Scene& scene, const Frame& frame);
 
 /// Row of a body in a frame, -1 when there is none of that id (a wall, or a body that was taken out).
 class BodyRows {

@@ -209,7 +209,7 @@ Frame load_frame(const Run& run, std::size_t index, FrameParts parts) {
   check_frame(run.scene, frame, path, run.has_program());
   check_ids_that_came(run, frame, path);
   // a contact of two bodies on either side of a periodic side is written where one of them sees it: beyond the side
-  if (const Periodicity period = periodicity_of(run.scene); period.any()) {
+  if (const Periodicity period = periodicity_of(run.scene, frame); period.any()) {
     Vec3 image;
     for (Vec3& point : frame.contacts.point) period.wrap(point, image);
   }

@@ -141,7 +141,7 @@ std::vector<std::uint8_t> Within::rows(const Run& run, const Frame& frame) const
   if (is_everywhere()) return in;
   const UpAxis up = up_axis(scene.settings.gravity);
   const std::vector<double> radius = bounding_radii(scene);
-  const Periodicity period = periodicity_of(scene);
+  const Periodicity period = periodicity_of(scene, frame);
   // of a body and its images at periodic sides
   const auto any_image = [&](const Vec3& x, const auto& is_held) {
     if (is_held(x)) return true;

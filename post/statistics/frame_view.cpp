@@ -101,7 +101,7 @@ double FrameView::room_between(double low, double high) const {
 SceneFacts::SceneFacts(const Run& the_run, const std::optional<Region>& given, const Box3& room, std::size_t most)
     : run(&the_run),
       container(container_of(the_run.scene, given, room)),
-      period(periodicity_of(the_run.scene)),
+      period(periodicity_of(the_run.scene, Frame{})),
       cell_lower(the_run.scene.settings.domain.lower) {
   const std::size_t per_body =
       std::clamp(kSamplesPerFrame / std::max({std::size_t{1}, most, the_run.scene.bodies.size()}), kMinSamples, kMaxSamples);
@@ -122,7 +122,27 @@ int SceneFacts::images_in(const Region& region, const Vec3& point) const {
   return count;
 }
 
-FrameView::FrameView(const SceneFacts& the_facts, const Frame& the_frame) : facts(the_facts), frame(the_frame) {
+namespace {
+
+std::shared_ptr<const SceneFacts> facts_of_cell(const SceneFacts& facts, const Frame& frame) {
+  if (frame.cell.size() == 0) return nullptr;
+  auto own = std::make_shared<SceneFacts>(facts);
+  own->period = periodicity_of(facts.run->scene, frame);
+  own->cell_lower = frame.cell.lower[0];
+  Region& room = own->container.room;
+  for (int k = 0; room.kind == Region::Kind::box && k < 3; ++k) {
+    const Domain& start = facts.run->scene.settings.domain;
+    if (room.lower[k] != start.lower[k] || room.upper[k] != start.upper[k]) continue;  // a part that was asked for
+    room.lower[k] = frame.cell.lower[0][k];
+    room.upper[k] = frame.cell.upper[0][k];
+  }
+  return own;
+}
+
+}  // namespace
+
+FrameView::FrameView(const SceneFacts& the_facts, const Frame& the_frame)
+    : of_cell(facts_of_cell(the_facts, the_frame)), facts(of_cell ? *of_cell : the_facts), frame(the_frame) {
   const FrameBodies& b = frame.bodies;
   const Scene& scene = facts.run->scene;
   const std::size_t n = b.size();

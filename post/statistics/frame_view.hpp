@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/geometry/periodic.hpp"
@@ -64,6 +65,7 @@ struct SceneFacts {
 
 struct FrameView {
   FrameView(const SceneFacts& facts, const Frame& frame);
+  std::shared_ptr<const SceneFacts> of_cell;  ///< the facts where the periodic cell is that of the frame; else null
   const SceneFacts& facts;
   const Frame& frame;
   std::vector<std::uint8_t> is_particle;   ///< by row of bodies: free to move

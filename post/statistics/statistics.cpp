@@ -324,6 +324,7 @@ std::vector<std::string> write_statistics(const Run& run, const Statistics& s, c
                                                    "dissipated",
                                                    "wall_work",
                                                    "outer_work",
+                                                   "cell_work",
                                                    "removed",
                                                    "inserted",
                                                    "energy_error"};

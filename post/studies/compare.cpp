@@ -128,8 +128,8 @@ std::array<bool, kParts.size()> differences_of(const Frame& a, const Frame& b) {
           rows_differ(a.contacts, b.contacts),
           rows_differ(a.walls, b.walls),
           a.has_bonds != b.has_bonds || rows_differ(a.bonds, b.bonds),
-          energies || rows_differ(a.loads, b.loads) || rows_differ(a.wear, b.wear) || rows_differ(a.losses, b.losses) ||
-              rows_differ(a.impacts, b.impacts)};
+          energies || rows_differ(a.loads, b.loads) || rows_differ(a.wear, b.wear) || rows_differ(a.cell, b.cell) ||
+              rows_differ(a.losses, b.losses) || rows_differ(a.impacts, b.impacts)};
 }
 
 /// Whether two tables of events differ in the columns that both have; a table without rows is as none.
@@ -190,12 +190,12 @@ TrajectoryComparison compare_trajectories(const Run& a, const Run& b, const Fram
     result.diameter +=
         body.scale * a.scene.shapes[static_cast<std::size_t>(body.shape)].equivalent_diameter() / static_cast<double>(bodies.all.size());
   }
-  const Periodicity period = periodicity_of(a.scene);
   std::vector<std::size_t> index(pairs.size());
   for (std::size_t i = 0; i < index.size(); ++i) index[i] = i;
   const auto task = [&](std::size_t p) {
     const Frame one = load_frame(a, pairs[p].first), two = load_frame(b, pairs[p].second);
     const BodyRows row(two.bodies);
+    const Periodicity period = periodicity_of(a.scene, one);
     double sum = 0, largest = 0, angle = 0;
     std::size_t count = 0, common = 0;
     std::int64_t furthest = -1;

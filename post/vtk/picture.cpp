@@ -295,7 +295,7 @@ void add_bodies(vtkRenderer* renderer, const FrameBodies& bodies, const Scene& s
 /// Tubes from centre to centre, radius and colour by normal force.
 void add_network(vtkRenderer* renderer, const Frame& frame, const Scene& scene, const PictureOptions& options,
                  const std::optional<Cut>& cut) {
-  const std::vector<NetworkLine> lines = network_of(frame, periodicity_of(scene));
+  const std::vector<NetworkLine> lines = network_of(frame, periodicity_of(scene, frame));
   if (lines.empty()) return;
   double strongest = 0, size = 0;
   for (const NetworkLine& line : lines) strongest = std::max(strongest, std::abs(line.normal_force));
@@ -468,7 +468,7 @@ void Stage::add(const Run& run, const Frame& given, const PictureOptions& option
   room.add(seen.lower);
   room.add(seen.upper);
   if (options.network) {
-    for (const NetworkLine& line : network_of(frame, periodicity_of(run.scene)))
+    for (const NetworkLine& line : network_of(frame, periodicity_of(run.scene, frame)))
       range = {0, std::max(range ? range->second : 0, std::abs(line.normal_force))};
     return;
   }

@@ -101,7 +101,7 @@ std::string view_data(const Run& run, const Frame& given, const Within& within) 
   }
 
   // bodies
-  const std::vector<NetworkLine> network = network_of(frame, periodicity_of(scene));
+  const std::vector<NetworkLine> network = network_of(frame, periodicity_of(scene, frame));
   std::vector<std::uint16_t> touching(b.size());
   for (const NetworkLine& line : network) {
     for (const std::int32_t row : {line.index_a, line.index_b}) {

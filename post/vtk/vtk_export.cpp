@@ -54,7 +54,6 @@ VtkResult write_vtk_files(const Run& run, const VtkOptions& options) {
     if (room.is_empty()) room = room_of({}, run.scene);
     for (const Wall& wall : run.scene.walls) walls.push_back(drawn_wall(wall, run.scene, room));
   }
-  const Periodicity period = periodicity_of(run.scene);
 
   const auto number_of = [&](std::size_t f) {  // "000012" of frame_000012.hdf
     const std::string stem = fs::path(run.frames[f].path).stem().string();
@@ -70,7 +69,7 @@ VtkResult write_vtk_files(const Run& run, const VtkOptions& options) {
     if (wants("bodies")) write_bodies_vtp(path("bodies"), frame.bodies);
     if (wants("contacts")) write_contacts_vtp(path("contacts"), frame.contacts);
     if (wants("bonds")) write_bonds_vtp(path("bonds"), frame, run.scene);
-    if (wants("network")) write_network_vtp(path("network"), frame, period);
+    if (wants("network")) write_network_vtp(path("network"), frame, periodicity_of(run.scene, whole));
     if (!walls.empty()) {
       for (std::size_t w = 0; w < walls.size(); ++w) {
         if (run.scene.walls[w].wear > 0) walls[w] = drawn_wall(run.scene.walls[w], run.scene, room, &whole);

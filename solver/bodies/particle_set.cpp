@@ -63,8 +63,8 @@ void append_record(ParticleSet& p, const ParticleRecord& r, const SolverScene& s
   p.x_listed[i] = r.x;
 }
 
-void wrap_positions(const Periodicity& periodicity, ParticleSet& p) {
-  for_each_awake_row(p, [&](std::size_t i) { p.x_listed[i] += periodicity.wrap(p.x[i], p.image[i]); });
+void wrap_positions(ParticleSet& p) {
+  for_each_awake_row(p, [&](std::size_t i) { p.x_listed[i] += p.cell.periodicity().wrap(p.x[i], p.image[i]); });
 }
 
 ParticleRecord make_record(const SolverScene& scene, const BodyAtStart& body) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "solver/bodies/body_columns.hpp"
+#include "solver/bodies/cell.hpp"
 #include "solver/scene/solver_scene.hpp"
 
 namespace scree {
@@ -38,6 +39,7 @@ struct ParticleSet {
 #undef SCREE_COLUMN_DERIVED
 
   std::size_t owned = 0;  ///< rows [0, owned) are ours
+  Cell cell;              ///< that they lie in, the same on every rank
   /// Of every row the fragment that it is part of, null where it is none; empty in a scene without bonds (neighbours/fragment_masses.hpp).
   std::vector<const BondedMass*> bonded;
   /// Where bodies may sleep (effects/sleep/sleep.hpp): the owned rows that are awake, in ascending order. Else all are, and this is empty.
@@ -109,8 +111,8 @@ void for_each_awake_row(const ParticleSet& p, Action&& action) {
   });
 }
 
-/// Wraps the owned bodies into a periodic domain, the places of their lists with them.
-void wrap_positions(const Periodicity& periodicity, ParticleSet& p);
+/// Wraps the owned bodies into their cell, the places of their lists with them.
+void wrap_positions(ParticleSet& p);
 
 /// A body as a user knows it.
 struct BodyAtStart {

@@ -1,6 +1,7 @@
 #include "solver/effects/effects.hpp"
 
 #include "solver/effects/bonds/bonds.hpp"
+#include "solver/effects/cell/cell.hpp"
 #include "solver/effects/drives/drives.hpp"
 #include "solver/effects/given_forces/given_forces.hpp"
 #include "solver/effects/heat/heat.hpp"
@@ -17,13 +18,13 @@ const std::vector<EffectKind>& effect_kinds() {
   //   given forces  are added to bodies before those of bonds: sums of floating-point numbers have an order
   //   outer forces  the same: a constant one gives the bits of a given force
   //   bonds         break before the second kick of a step, and are replaced after it
+  //   cell          takes in the velocities at the end of a step, after all that changes them
   //   drives        set the velocities of walls at the end of a step, by which the work on walls is counted: before what records it
   //   load maps     count the sliding work of a step before walls wear by it
   //   heat          comes last in a step: what the step has dissipated is known, and bodies have their velocities
   //   wear          changes walls between two steps; which bodies sleep is judged by the walls as they are then
-  static const std::vector<EffectKind> kinds{given_forces_effect(), outer_forces_effect(), bonds_effect(),
-                                             drives_effect(),       load_maps_effect(),    impacts_effect(),
-                                             heat_effect(),         wear_effect(),         sleep_effect()};
+  static const std::vector<EffectKind> kinds{given_forces_effect(), outer_forces_effect(), bonds_effect(), cell_effect(), drives_effect(),
+                                             load_maps_effect(),    impacts_effect(),      heat_effect(),  wear_effect(), sleep_effect()};
   return kinds;
 }
 

@@ -59,8 +59,20 @@ int scree_get_energies(scree_engine* engine, scree_energies* to) {
   if (const int code = need(to != nullptr, "energies: the place for them"); code != SCREE_DONE) return code;
   return called(engine, "energies", [&](HostedRun& run) {
     const Energies e = run.energies();
-    *to = {e.translational, e.rotational, e.potential, e.elastic, e.tangential_elastic, e.dissipated, e.wall_work,
-           e.outer_work,    e.removed,    e.arrived,   e.bond,    e.fracture,           e.slept,      e.balance()};
+    *to = {e.translational,
+           e.rotational,
+           e.potential,
+           e.elastic,
+           e.tangential_elastic,
+           e.dissipated,
+           e.wall_work,
+           e.outer_work + e.cell_work,
+           e.removed,
+           e.arrived,
+           e.bond,
+           e.fracture,
+           e.slept,
+           e.balance()};
     return SCREE_DONE;
   });
 }

@@ -115,6 +115,9 @@ void HostedRun::Inner::check_nobody_waits(const char* what) const {
 void HostedRun::Inner::check_moves(const char* what) const {
   check_goes_on(what);
   if (loaded.prepared->is_frozen()) throw UsageError("{}: heat.frozen keeps bodies as they are; leave it out of the case", what);
+  if (loaded.scene.settings.cell)
+    throw UsageError(
+        "{}: the bodies of a periodic cell that deforms have no momentum together, and stay as many; leave [cell] out of the case", what);
 }
 
 HeatEffect& HostedRun::Inner::heat(const char* what) {

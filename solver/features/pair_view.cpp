@@ -18,7 +18,7 @@ PairGeometry geometry_of(const PairView& view) {
 
 void view_body(const SolverScene& scene, const ParticleSet& p, std::size_t i, std::size_t j, PairView& view) {
   view.b = {&scene.shape(p.shape[j]), p.scale[j], p.x[j], p.q[j], p.weights[j]};
-  if (scene.periodicity().any()) view.b.x = p.x[i] + scene.periodicity().nearest(p.x[j] - p.x[i]);
+  if (p.cell.periodicity().any()) view.b.x = p.x[i] + p.cell.periodicity().nearest(p.x[j] - p.x[i]);
   view.radius_b = p.radius[j];
   const double cells_a = view.a.scale * view.a.shape->cell_size, cells_b = view.b.scale * view.b.shape->cell_size;
   view.cell_size = std::max(cells_a, cells_b);

@@ -74,11 +74,16 @@ struct PairVelocities {
 };
 
 /// Within a step the bodies' are those of half a step before, and so are the walls'; at its end, where springs do not move, those of now.
+/// In a cell that deforms, B moves with it against A, whose velocity is taken as it is: the pair sees no more than the difference.
 [[gnu::always_inline]] inline PairVelocities velocities_of(const ParticleSet& p, const std::vector<WallState>& walls, std::int32_t a,
                                                            std::int32_t b, const PairView& view, bool in_step) {
   const auto i = static_cast<std::size_t>(a);
   if (b >= 0) {
     const auto j = static_cast<std::size_t>(b);
+    if (p.cell.deforms()) {
+      const Vec3 v_b = p.v[j] + p.cell.velocity_along(view.b.x - view.a.x, in_step);
+      return {p.v[i], p.w[i], v_b, p.w[j], view.b.x, v_b};
+    }
     return {p.v[i], p.w[i], p.v[j], p.w[j], view.b.x, p.v[j]};
   }
   const WallState& state = walls[static_cast<std::size_t>(view.zone->wall)];

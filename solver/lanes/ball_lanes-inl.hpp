@@ -52,6 +52,12 @@ HWY_INLINE Lane3 image_of(const Periodicity& periodicity, const Lane3& xa, const
   return periodicity.any() ? xa + nearest(periodicity.period(), xb - xa) : xb;
 }
 
+/// How fast B moves with a cell that deforms, against A: Cell::velocity_along() in a step.
+HWY_INLINE Lane3 velocity_along(const Cell& cell, const Lane3& branch) {
+  const Vec3& rate = cell.rate_of_step();
+  return {Lane(rate.x) * branch.x, Lane(rate.y) * branch.y, Lane(rate.z) * branch.z};
+}
+
 /// Rows of the particle set, one in each lane.
 class Rows {
  public:

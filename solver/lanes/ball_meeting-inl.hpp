@@ -32,13 +32,20 @@ template <bool kRows, bool kRolls>
 HWY_INLINE BallsApart apart(const BallScene& scene, const BallPairs& pairs, std::size_t k, const OfPair& pair) {
   const std::int64_t *const a = pairs.a.data() + k, *const b = pairs.b.data() + k;
   const auto image = [&](const Lane3& xa, const Lane3& xb) { return xa - image_of(scene.periodicity, xa, xb); };
+  const auto with_cell = [&](const Lane3& vb, const Lane3& between) {
+    const Lane zero(0.0);
+    return vb + velocity_along(scene.p.cell, Lane3{zero, zero, zero} - between);
+  };
   if constexpr (kRows) {
     BallsApart balls;
     if (scene.periodicity.any())
       balls.between = image(load_vector<Of::one>(scene, 0, a, a), load_vector<Of::one>(scene, 0, b, b));
     else
       balls.between = load_vector<Of::difference>(scene, 0, a, b);
-    balls.velocity = load_vector<Of::difference>(scene, 4, a, b);
+    if (scene.p.cell.deforms())
+      balls.velocity = load_vector<Of::one>(scene, 4, a, a) - with_cell(load_vector<Of::one>(scene, 4, b, b), balls.between);
+    else
+      balls.velocity = load_vector<Of::difference>(scene, 4, a, b);
     balls.spins = load_vector<Of::sum>(scene, 8, a, b);
     balls.surface_spins = load_vector<Of::sum>(scene, 12, a, b);
     if constexpr (kRolls) balls.relative_spin = load_vector<Of::difference>(scene, 8, a, b);
@@ -47,7 +54,9 @@ HWY_INLINE BallsApart apart(const BallScene& scene, const BallPairs& pairs, std:
     const ParticleSet& p = scene.p;
     const Rows row_a(a), row_b(b);
     const Lane3 xa = row_a.of(p.x), xb = row_b.of(p.x), wa = row_a.of(p.w), wb = row_b.of(p.w);
-    return {image(xa, xb), row_a.of(p.v) - row_b.of(p.v), wa + wb, pair.radius_a * wa + pair.radius_b * wb, wa - wb};
+    const Lane3 between = image(xa, xb), vb = row_b.of(p.v);
+    return {between, row_a.of(p.v) - (p.cell.deforms() ? with_cell(vb, between) : vb), wa + wb, pair.radius_a * wa + pair.radius_b * wb,
+            wa - wb};
   }
 }
 

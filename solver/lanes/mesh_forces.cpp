@@ -40,7 +40,7 @@ HWY_INLINE MeshMotion motion_in_lanes(const BallScene& scene, const Rows& a, con
   const ParticleSet& p = scene.p;
   const LaneQuat qa = a.of(p.q), turn = conjugate(qa) * b.of(p.q);
   const LaneMatrix a_to_world(qa);
-  const Lane3 xa = a.of(p.x), branch = image_of(scene.periodicity, xa, b.of(p.x)) - xa;
+  const Lane3 xa = a.of(p.x), branch = image_of(scene.periodicity, xa, b.of(p.x)) - xa, vb = b.of(p.v);
   return {turn,
           a_to_world,
           LaneMatrix(turn),
@@ -48,7 +48,7 @@ HWY_INLINE MeshMotion motion_in_lanes(const BallScene& scene, const Rows& a, con
           rotate_inverse(qa, branch),
           a_to_world.transpose_times(a.of(p.v)),
           a_to_world.transpose_times(a.of(p.w)),
-          a_to_world.transpose_times(b.of(p.v)),
+          a_to_world.transpose_times(p.cell.deforms() ? vb + velocity_along(p.cell, branch) : vb),
           a_to_world.transpose_times(b.of(p.w)),
           a.of(p.inverse_mass) + b.of(p.inverse_mass),
           a.of(p.inverse_inertia),

@@ -75,7 +75,7 @@ std::vector<NearPair> find_near_pairs(const SolverScene& scene, const ParticleSe
                                       double skin, MultilevelGrid& grid, PhaseTimes& times) {
   std::vector<double> reach(p.size());
   for (std::size_t i = 0; i < p.size(); ++i) reach[i] = p.radius[i] + range + 0.5 * skin;
-  grid.build(p.x, reach, scene.periodicity().period());
+  grid.build(p.x, reach, p.cell.periodicity().period());
   const auto count = static_cast<std::int32_t>(p.size());
   std::vector<std::vector<NearPair>> of_thread(static_cast<std::size_t>(omp_get_max_threads()));
 #pragma omp parallel
@@ -163,7 +163,8 @@ void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std
     if (pair.state.keep_lasting()) waiting_.push_back({pair.key, std::move(pair.state)});
   }
   pairs_ = std::move(next);
-  travel_.restart(p);
+  const double largest = p.radius.empty() ? 0 : *std::max_element(p.radius.begin(), p.radius.end());
+  travel_.restart(p, longest_branch(largest, scene.contact_range(), skin));
 
   inner_.clear();
   outer_.clear();
@@ -300,7 +301,7 @@ void PairList::sum_with_others(std::size_t i, const BallSums& sums, const Vec3& 
 }
 
 void PairList::fill_blocks(const SolverScene& scene, const ParticleSet& p, PairClass which) {
-  const BallScene of_balls{p, scene.periodicity(), scene.ball_laws()};
+  const BallScene of_balls{p, p.cell.periodicity(), scene.ball_laws()};
   if (blocks_.are_filled()) {
     std::vector<std::int32_t>& begun = begun_[static_cast<std::size_t>(which)];
     if (begun.empty()) return;

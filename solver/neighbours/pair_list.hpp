@@ -31,6 +31,10 @@ struct NearPair {
 std::vector<NearPair> find_near_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double range,
                                       double skin, MultilevelGrid& grid, PhaseTimes& times);
 
+/// Between the centres of two bodies in lists, as long as these hold, at most [m]: half of the skin is used up on either side, and at most
+/// half of it by a cell that deforms (step/neighbour_lists.cpp).   in   radius   the largest
+inline double longest_branch(double radius, double range, double skin) { return 2 * (radius + range) + 2.5 * skin; }
+
 /// Bytes of the candidates of a pair.
 std::size_t memory_of_candidates(const BodyPair& pair);
 /// Bytes that a pair holds, its lists, state and result included.

@@ -2,27 +2,33 @@
 
 namespace scree {
 
-void TravelBounds::restart(const ParticleSet& p) {
+void TravelBounds::restart(const ParticleSet& p, double branch) {
+  branch_ = branch;
   way_.assign(p.size(), 0.0);
   x_ = p.x;
   q_ = p.q;
 }
 
-void TravelBounds::add_motion_of_owned(const ParticleSet& p, const Periodicity& periodicity) {
-  const bool wraps = periodicity.any();
-  for_each_awake_row(p, [&](std::size_t i) { add_motion(p, periodicity, wraps, i); });
+void TravelBounds::add_motion_of_owned(const ParticleSet& p) {
+  for_each_awake_row(p, [&](std::size_t i) { add_motion(p, i); });
 }
 
-void TravelBounds::add_motion_of_ghosts(const ParticleSet& p, const Periodicity& periodicity) {
-  const bool wraps = periodicity.any();
+void TravelBounds::add_motion_of_ghosts(const ParticleSet& p) {
 #pragma omp parallel for schedule(static)
-  for (std::size_t i = p.owned; i < p.size(); ++i) add_motion(p, periodicity, wraps, i);
+  for (std::size_t i = p.owned; i < p.size(); ++i) add_motion(p, i);
 }
 
-void TravelBounds::add_motion(const ParticleSet& p, const Periodicity& periodicity, bool wraps, std::size_t i) {
+void TravelBounds::add_motion(const ParticleSet& p, std::size_t i) {
   constexpr double kRounding = 1 + 1e-9;  // far above that of the sums below
+  const Periodicity& periodicity = p.cell.periodicity();
   Vec3 shift = p.x[i] - x_[i];
-  if (wraps) shift = periodicity.nearest(shift);
+  if (periodicity.any()) {
+    if (p.cell.deforms()) {
+      shift = p.x[i] - p.cell.carried(x_[i]);
+      way_[i] += kRounding * 0.5 * p.cell.largest_growth() * branch_;
+    }
+    shift = periodicity.nearest(shift);
+  }
   x_[i] = p.x[i];
   if (p.ball_radius[i] > 0) {  // as it turns, its surface stays where it is
     way_[i] += kRounding * length(shift);

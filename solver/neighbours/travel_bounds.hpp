@@ -2,6 +2,9 @@
 //
 // A pair that looked at its candidates knows how far both may go before the first of them can matter; until then it costs
 // two additions a step. The way is a bound, never a result: it is made again with the body lists and differs between ranks.
+//
+// In a cell that deforms, the way of a body is what it moves beside the cell, and half of what the cell takes two bodies towards each
+// other that lists hold: images of bodies move with it, however little the bodies themselves do.
 #pragma once
 
 #include <vector>
@@ -12,17 +15,18 @@ namespace scree {
 
 class TravelBounds {
  public:
-  /// Begins again: no body has moved.
-  void restart(const ParticleSet& p);
+  /// Begins again: no body has moved.   in   branch   between the centres of two bodies that lists hold, at most [m]
+  void restart(const ParticleSet& p, double branch);
   /// Adds what the owned bodies, or the ghosts, have moved since the last call.   Threads: parallel inside.
-  void add_motion_of_owned(const ParticleSet& p, const Periodicity& periodicity);
-  void add_motion_of_ghosts(const ParticleSet& p, const Periodicity& periodicity);
+  void add_motion_of_owned(const ParticleSet& p);
+  void add_motion_of_ghosts(const ParticleSet& p);
   /// No point of the body has gone further since the start [m].
   double operator[](std::int32_t row) const { return way_[static_cast<std::size_t>(row)]; }
 
  private:
-  void add_motion(const ParticleSet& p, const Periodicity& periodicity, bool wraps, std::size_t row);
+  void add_motion(const ParticleSet& p, std::size_t row);
 
+  double branch_ = 0;
   std::vector<double> way_;
   std::vector<Vec3> x_;
   std::vector<Quat> q_;

@@ -38,7 +38,7 @@ void collect_rows(const ParticleSet& p, std::size_t begin, std::size_t end, std:
 
 bool has_ball_way(const PairPass& pass) { return pass.scene.ball_laws().kind != LaneLawKind::none && pass.asks_for_forces_alone(); }
 
-BallPass::BallPass(PairPass& pass) : pass_(pass), scene_{pass.p, pass.scene.periodicity(), pass.scene.ball_laws()} {
+BallPass::BallPass(PairPass& pass) : pass_(pass), scene_{pass.p, pass.p.cell.periodicity(), pass.scene.ball_laws()} {
   if (pass.blocks) {
     // ghosts are not here yet while the pairs of owned bodies are computed
     collect_rows(pass.p, 0, *pass.blocks == PairClass::inner ? pass.p.owned : pass.p.size(), pass.scratch.ball_rows);

@@ -48,7 +48,7 @@ bool suits_lanes(const PairPass& pass) {
 MeshPass::MeshPass(PairPass& pass)
     : pass_(pass),
       has_lanes_(suits_lanes(pass) && pass.scene.lane_laws().kind != LaneLawKind::none),
-      scene_{pass.p, pass.scene.periodicity(), pass.scene.lane_laws()} {}
+      scene_{pass.p, pass.p.cell.periodicity(), pass.scene.lane_laws()} {}
 
 MeshEvaluation::Batches& MeshEvaluation::batches_of_thread() {
   thread_local Batches batches;

@@ -35,39 +35,38 @@ bool are_neighbours(int rank_a, const Box3& a, int rank_b, const Box3& b, const 
 }  // namespace
 
 Halo::Halo(const mpi::Communicator& comm, const SolverScene& scene, const ParallelOptions& options, CutBoxes first_cut)
-    : comm_(comm), options_(options) {
+    : comm_(comm), options_(options), first_cell_(scene.periodicity()) {
   if (options.cut == CutMethod::rcb) first_cut_ = std::move(first_cut);
   if (comm_.size() == 1) first_cut_ = whole_space_first(1);
   regions_ = first_cut_;
-  const Domain& domain = scene.source().settings.domain;
-  for (int k = 0; k < 3; ++k) {
-    if (domain.periodic[static_cast<std::size_t>(k)]) period_[k] = domain.upper[k] - domain.lower[k];
-    domain_lower_[k] = domain.lower[k];
-  }
 }
 
 double Halo::rebalance(const ParticleSet& p, std::span<const double> work) {
   if (comm_.size() == 1) return 1;
   if (!partitioner_) partitioner_ = std::make_unique<Partitioner>(comm_.get(), comm_.size(), options_.cut);
   std::vector<Vec3> x(p.x.begin(), p.x.begin() + static_cast<std::ptrdiff_t>(p.owned));
-  for (Vec3& point : x) point = inside_domain(point);
+  for (Vec3& point : x) point = inside_domain(p.cell.periodicity(), point);
   regions_ = partitioner_->cut(std::span(p.id).first(p.owned), x, work);
   std::vector<double> of_rank(static_cast<std::size_t>(comm_.size()));
-  for (std::size_t i = 0; i < p.owned; ++i) of_rank[static_cast<std::size_t>(owner_of(p.id[i], p.x[i]))] += work[i];
+  for (std::size_t i = 0; i < p.owned; ++i) of_rank[static_cast<std::size_t>(owner_of(p.cell.periodicity(), p.id[i], p.x[i]))] += work[i];
   comm_.sum(of_rank);
   return imbalance(of_rank);
 }
 
-Vec3 Halo::inside_domain(const Vec3& x) const {
+Vec3 Halo::inside_domain(const Periodicity& now, const Vec3& x) const {
   Vec3 inside = x;
   for (int k = 0; k < 3; ++k) {
-    if (period_[k] > 0) inside[k] -= period_[k] * std::floor((x[k] - domain_lower_[k]) / period_[k]);
+    const double period = now.period()[k], lower = now.lower()[k], first = first_cell_.period()[k];
+    if (!(period > 0)) continue;
+    inside[k] -= period * std::floor((x[k] - lower) / period);
+    if (period != first) inside[k] = first_cell_.lower()[k] + (inside[k] - lower) * (first / period);
   }
   return inside;
 }
 
-int Halo::owner_of(std::int64_t id, const Vec3& x) const {
-  return partitioner_ ? partitioner_->part_of(id, inside_domain(x)) : first_cut_.rank_of(inside_domain(x));
+int Halo::owner_of(const Periodicity& now, std::int64_t id, const Vec3& x) const {
+  const Vec3 inside = inside_domain(now, x);
+  return partitioner_ ? partitioner_->part_of(id, inside) : first_cut_.rank_of(inside);
 }
 
 std::int64_t Halo::migrate(const SolverScene& scene, ParticleSet& p, PairList& list) {
@@ -78,7 +77,7 @@ std::int64_t Halo::migrate(const SolverScene& scene, ParticleSet& p, PairList& l
   std::vector<int> owner(p.owned);
   std::vector<std::vector<ParticleRecord>> bodies(ranks);
   for (std::size_t i = 0; i < p.owned; ++i) {
-    owner[i] = owner_of(p.id[i], p.x[i]);
+    owner[i] = owner_of(p.cell.periodicity(), p.id[i], p.x[i]);
     if (owner[i] != comm_.rank()) bodies[static_cast<std::size_t>(owner[i])].push_back(record_of(p, i));
   }
   // The state of every pair of a leaving body goes with it; our own copy stays while we own the partner.
@@ -142,9 +141,9 @@ std::int64_t Halo::migrate(const SolverScene& scene, ParticleSet& p, PairList& l
   return left;
 }
 
-std::vector<ParticleRecord> Halo::deliver(const std::vector<ParticleRecord>& records) const {
+std::vector<ParticleRecord> Halo::deliver(const Periodicity& now, const std::vector<ParticleRecord>& records) const {
   std::vector<std::vector<ParticleRecord>> outgoing(static_cast<std::size_t>(comm_.size()));
-  for (const ParticleRecord& r : records) outgoing[comm_.size() == 1 ? 0 : static_cast<std::size_t>(owner_of(r.id, r.x))].push_back(r);
+  for (const ParticleRecord& r : records) outgoing[comm_.size() == 1 ? 0 : static_cast<std::size_t>(owner_of(now, r.id, r.x))].push_back(r);
   std::vector<ParticleRecord> mine;
   for (const auto& block : comm_.exchange(outgoing)) mine.insert(mine.end(), block.begin(), block.end());
   return mine;
@@ -153,7 +152,7 @@ std::vector<ParticleRecord> Halo::deliver(const std::vector<ParticleRecord>& rec
 std::vector<int> Halo::possible_neighbours(double reach) const {
   // A periodic domain joins its outer parts, which have no outer side: there every rank asks every other, as it does when the
   // parts are no boxes.
-  const bool by_boxes = !regions_.lower.empty() && period_ == Vec3{};
+  const bool by_boxes = !regions_.lower.empty() && !first_cell_.any();
   std::vector<int> ranks;
   for (int r = 0; r < comm_.size(); ++r) {
     if (r == comm_.rank()) continue;
@@ -167,6 +166,7 @@ void Halo::make_ghosts(const SolverScene& scene, ParticleSet& p, double largest_
   neighbours_.clear();
   if (comm_.size() == 1) return;
 
+  const Vec3& period = p.cell.periodicity().period();
   // the box of everything that this rank owns, bounding spheres and their share of margin, reach and skin included
   const double own_reach = scene.contact_range() + 0.5 * skin;
   Box3 box;
@@ -184,13 +184,13 @@ void Halo::make_ghosts(const SolverScene& scene, ParticleSet& p, double largest_
   std::vector<std::vector<std::int32_t>> rows;
   for (std::size_t n = 0; n < possible.size(); ++n) {
     const Box3& theirs = boxes[n][0];
-    if (!are_neighbours(comm_.rank(), box, possible[n], theirs, period_)) continue;
+    if (!are_neighbours(comm_.rank(), box, possible[n], theirs, period)) continue;
     ranks.push_back(possible[n]);
     auto& records = outgoing.emplace_back();
     auto& own_rows = rows.emplace_back();
     for (std::size_t i = 0; i < p.owned; ++i) {
       const double reach = p.radius[i] + own_reach;
-      if (options_.selection == HaloSelection::selected && squared_gap(p.x[i], p.x[i], theirs, period_) >= reach * reach) continue;
+      if (options_.selection == HaloSelection::selected && squared_gap(p.x[i], p.x[i], theirs, period) >= reach * reach) continue;
       records.push_back(record_of(p, i));
       own_rows.push_back(static_cast<std::int32_t>(i));
     }

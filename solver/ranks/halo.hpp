@@ -57,8 +57,8 @@ class Halo {
   /// Returns how many bodies left this rank.
   std::int64_t migrate(const SolverScene& scene, ParticleSet& p, PairList& list);
 
-  /// Sends each record to the rank whose part holds it; returns what came to this one. Collective.
-  std::vector<ParticleRecord> deliver(const std::vector<ParticleRecord>& records) const;
+  /// Sends each record to the rank whose part holds it; returns what came to this one. Collective.   in   now   the cell
+  std::vector<ParticleRecord> deliver(const Periodicity& now, const std::vector<ParticleRecord>& records) const;
 
   /// Finds and fetches ghosts: bodies that can touch one of ours while none moves further than skin / 2. Every rank calls it.
   /// in   largest_radius   bounding, of the bodies of all ranks [m]
@@ -82,8 +82,9 @@ class Halo {
     std::vector<char> send_buffer, receive_buffer;  // see ghost_packing.hpp
   };
 
-  Vec3 inside_domain(const Vec3& x) const;  ///< the image of a point within the periodic axes
-  int owner_of(std::int64_t id, const Vec3& x) const;
+  /// The image of a point within the periodic axes, in the cell as it was at the start: cuts go with the cell.
+  Vec3 inside_domain(const Periodicity& now, const Vec3& x) const;
+  int owner_of(const Periodicity& now, std::int64_t id, const Vec3& x) const;
   std::vector<int> possible_neighbours(double reach) const;
 
   const mpi::Communicator& comm_;
@@ -91,7 +92,7 @@ class Halo {
   CutBoxes first_cut_;  // until the first rebalance()
   CutBoxes regions_;    // of the cut in force; empty when its parts are no boxes
   std::unique_ptr<Partitioner> partitioner_;
-  Vec3 domain_lower_, period_;  // period along the periodic axes of the domain, else 0 [m]
+  Periodicity first_cell_;  // at the start
   std::vector<Neighbour> neighbours_;
   std::vector<MPI_Request> requests_;
   HaloTraffic traffic_;

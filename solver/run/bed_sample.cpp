@@ -146,6 +146,7 @@ class SampleScene {
     scene_.settings.gravity = {0, 0, -0.25 * fastest * fastest / height_};
     scene_.settings.duration = 100 * closing_time_;
     Domain& domain = scene_.settings.domain;
+    scene_.settings.cell.reset();
     domain.bounded = true;
     domain.lower = {0, 0, -widest};
     domain.upper = {side, side, height_ + 10 * widest};

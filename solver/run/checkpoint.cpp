@@ -42,6 +42,7 @@ void for_each_number(Record& r, Action&& action) {
   action("dissipated", r.energies.dissipated);
   action("wall_work", r.energies.wall_work);
   action("outer_work", r.energies.outer_work);
+  action("cell_work", r.energies.cell_work);
   action("removed", r.energies.removed);
   action("arrived", r.energies.arrived);
   action("bond", r.energies.bond);

@@ -29,7 +29,9 @@ struct RunRecord {
   double wall_seconds = 0;
   PhaseTimes phases{};  ///< mean over the ranks [s]
   /// What an error of the energy is measured by.
-  EnergyInPlay in_play() const { return {kinetic_peak, elastic_peak, energies.dissipated, energies.wall_work, energies.outer_work}; }
+  EnergyInPlay in_play() const {
+    return {kinetic_peak, elastic_peak, energies.dissipated, energies.wall_work, energies.outer_work, energies.cell_work};
+  }
 };
 
 struct Checkpoint {

@@ -32,6 +32,7 @@ nlohmann::json energy_json(const RunRecord& record, const Scene& scene) {
                    {"error_relative", relative_energy_error(record.energy_error, record.in_play(), scene)}};
   if (e.arrived != 0) j["inserted"] = e.arrived;
   if (e.outer_work != 0) j["outer_work"] = e.outer_work;
+  if (e.cell_work != 0) j["cell_work"] = e.cell_work;
   return j;
 }
 

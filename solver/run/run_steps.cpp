@@ -129,7 +129,8 @@ int RunSteps::advance() {
   watchdog_.progress(simulation_.step());
   const std::int64_t step = simulation_.step();
   if (schedule_.is_frame_due(step)) check_for_end();
-  if (schedule_.is_row_due(step)) timed_output([&] { write_row(); });
+  const bool ends_here = schedule_.is_frame_due(step) && !end_of_effect_.empty();
+  if (schedule_.is_row_due(step) || ends_here) timed_output([&] { write_row(); });
   // before the last checkpoint, after which only the outcome is missing
   if (schedule_.is_frame_due(step)) timed_output([&] { write_frame(); });
   if (simulation_.requests().pending_signal() != 0) return stop_by_signal();
@@ -141,7 +142,7 @@ int RunSteps::advance() {
 bool RunSteps::is_over() const {
   if (simulation_.step() >= schedule_.last) return true;
   if (simulation_.step() % schedule_.frame != 0) return false;
-  return is_empty_ || rest_.at_rest(simulation_.time()) || (rest_.is_active() && rest_.is_empty());
+  return is_empty_ || !end_of_effect_.empty() || rest_.at_rest(simulation_.time()) || (rest_.is_active() && rest_.is_empty());
 }
 
 /// Before the first step, and whenever the run may end.
@@ -149,6 +150,9 @@ void RunSteps::check_for_end() {
   const RunState& s = simulation_.state();
   if (rest_.is_active()) rest_.look(comm_.max(rest_.busiest(s.particles)), body_count(s));
   if (loaded_.scene.settings.stop_when_empty) is_empty_ = free_body_count(s) == 0;
+  for (const std::unique_ptr<Effect>& effect : s.effects) {
+    if (end_of_effect_.empty()) end_of_effect_ = effect->ends_run(s);
+  }
 }
 
 void RunSteps::ask_for_checkpoint_by_clock() {
@@ -162,7 +166,7 @@ void RunSteps::write_row() {
   simulation_.agree_on_failures();
   writers_.write_events(simulation_);
   const LogRow row = take_row();
-  writers_.write_row(row, before_, row.step == schedule_.last || is_empty_ || rest_.at_rest(row.time));
+  writers_.write_row(row, before_, row.step == schedule_.last || is_empty_ || !end_of_effect_.empty() || rest_.at_rest(row.time));
   if (is_root() && simulation_.state().clock.dt > row.critical.step) {
     warn_once("scree-solver",
               fmt::format("the step {:.4g} s is above the critical step of the contacts that there are; see critical_step in "
@@ -259,7 +263,7 @@ void RunSteps::abandon(const std::string& reason) {
 
 void RunSteps::finish() {
   const std::string reason = is_empty_ && body_count(simulation_.state()) > 0                   ? "no body is left that is free to move"
-                             : body_count(simulation_.state()) > 0                              ? ""
+                             : body_count(simulation_.state()) > 0                              ? end_of_effect_
                              : loaded_.scene.bodies.size() == 0 && loaded_.scene.inlets.empty() ? "the scene has no body"
                              : loaded_.scene.outlets.empty()                                    ? "no body is left: all left the domain"
                                                                                                 : "no body is left: all left the run";

@@ -79,6 +79,7 @@ class RunSteps {
   RestWatch rest_;
   bool deep_is_told_ = false;  // the first contacts deeper than their maximum overlap
   bool is_empty_ = false;      // only where the run ends then: no body is left that is free to move
+  std::string end_of_effect_;  // why an effect ends the run; empty: none does
   Schedule schedule_;
   Writers writers_;
   Guard guard_;

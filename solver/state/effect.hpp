@@ -62,6 +62,8 @@ class Effect {
   virtual void start(RunState&) {}
 
   // 2. A step, in this order.
+  /// Bodies are about to move by the step. What is thrown is kept as in drift().
+  virtual void before_drift(RunState&) {}
   /// Bodies have moved by the step, walls have not, the clock shows the time before. What is thrown is kept until all ranks stop.
   virtual void drift(RunState&) {}
   /// The clock shows the end of the step, ranks have not agreed on it yet.
@@ -102,6 +104,9 @@ class Effect {
 
   /// In a scene whose bodies stay as they are the smallest of these sets the step. After start(). Collective.
   virtual StepBound bound(const RunState&) const { return {}; }
+
+  /// Asked at the times of output: why the run ends there; "": it goes on. Collective.
+  virtual std::string ends_run(const RunState&) const { return {}; }
 
   // 3. What a restart needs.
   /// Of all ranks, on every rank. Collective.

@@ -13,6 +13,7 @@ RunState::RunState(const mpi::Communicator& on, const SolverScene& of)
       integrator(of.source().settings.integrator),
       fluid(of.source().settings.fluid ? std::optional<FluidForces>(of.source()) : std::nullopt),
       totals(of.source().walls.size(), of.source().outlets.size(), of.source().inlets.size()) {
+  particles.cell = Cell(of.periodicity());
   for (const std::int64_t id : of.source().bodies.id) largest_id = std::max(largest_id, id);
   for (const Wall& wall : of.source().walls) largest_id = std::max(largest_id, wall.id);
   if (!of.source().bonds.empty()) {
@@ -32,7 +33,7 @@ void RunState::set_walls() {
 double potential_energy(const RunState& s, const ParticleSet& p, std::size_t body) {
   if (p.fixed[body]) return 0;
   const double mass = s.fluid ? s.fluid->weighed_mass(p, body) : p.mass[body];
-  const Vec3 way = s.scene.periodicity().way_of(p.x[body], p.image[body]);
+  const Vec3 way = p.cell.periodicity().way_of(p.x[body], p.image[body]);
   const double of_gravity = -mass * dot(s.scene.source().settings.gravity, way);
   const BodyForce* given = s.scene.given_force(p.id[body]);
   return given == nullptr ? of_gravity : of_gravity - dot(given->force, way);

@@ -97,7 +97,7 @@ bool Arrivals::join(RunState& s, const Halo& halo) {
     body.time = s.clock.time();
     inserted_.push_back(body);
   }
-  std::vector<ParticleRecord> joined = halo.deliver(std::exchange(mine_, {}));
+  std::vector<ParticleRecord> joined = halo.deliver(s.particles.cell.periodicity(), std::exchange(mine_, {}));
   // the order in which ranks gave them must not show
   std::sort(joined.begin(), joined.end(), [](const ParticleRecord& l, const ParticleRecord& r) { return l.id < r.id; });
   for (ParticleRecord& r : joined) {

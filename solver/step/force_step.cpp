@@ -14,9 +14,9 @@ void add_travel(RunState& s, Balance& balance, bool of_ghosts) {
   const PhaseTimer timer(s.times, Phase::contact);
   const WorkTimer work(balance.computing(), balance.weight_of(s.clock.step));
   if (of_ghosts)
-    s.pairs.travel().add_motion_of_ghosts(s.particles, s.scene.periodicity());
+    s.pairs.travel().add_motion_of_ghosts(s.particles);
   else
-    s.pairs.travel().add_motion_of_owned(s.particles, s.scene.periodicity());
+    s.pairs.travel().add_motion_of_owned(s.particles);
 }
 
 }  // namespace

@@ -25,9 +25,29 @@ constexpr double kSkinInHand = 0.2;
 constexpr double kVelocityShare = 1.25, kAccelerationShare = 2;
 constexpr double kFewSteps = 10, kStepsOfRoom = 4;
 
-/// Whether contacts are slow enough to look ahead. The place of a force-controlled wall is not known beforehand.
+/// Whether contacts are slow enough to look ahead. The place of a force-controlled wall is not known beforehand, and no more is the cell.
 bool can_agree_ahead(const RunState& s) {
-  return s.comm.size() > 1 && s.clock.size.contact_time >= kFewSteps * s.clock.size.step && !s.scene.has_answering_walls();
+  return s.comm.size() > 1 && s.clock.size.contact_time >= kFewSteps * s.clock.size.step && !s.scene.has_answering_walls() &&
+         !s.particles.cell.deforms();
+}
+
+/// What a cell that has deformed since the lists were made takes of their skin [m]. Two bodies that were too far apart to be listed, by
+/// the skin beyond their reach, are nearer by that, whatever they have moved beside the cell; for the ways of those that are listed it
+/// counts also where the cell grows.
+double skin_of_cell(const RunState& s, const Vec3& listed, double skin) {
+  const Cell& cell = s.particles.cell;
+  if (!cell.deforms()) return 0;
+  Vec3 stretch;
+  for (int k = 0; k < 3; ++k) {
+    if (listed[k] > 0) stretch[k] = cell.periodicity().period()[k] / listed[k] - 1;
+  }
+  return Cell::largest_of(stretch) * longest_branch(s.facts.largest_radius, s.scene.contact_range(), skin);
+}
+
+/// How fast bodies that touch go towards each other with their cell, at most, each by half of it [m/s].
+double speed_of_cell(const RunState& s) {
+  const Cell& cell = s.particles.cell;
+  return cell.deforms() ? Cell::largest_of(cell.rate_of_step()) * (s.facts.largest_radius + s.scene.contact_range()) : 0;
 }
 
 }  // namespace
@@ -37,8 +57,9 @@ double NeighbourLists::skin_for(const RunState& s, double fastest) const {
   double skin = std::clamp(2 * kListSteps * fastest * s.clock.dt, kSmallestListSkin * smallest, kLargestListSkin * smallest);
   // a quarter of a period holds the reach of a body, its half of the skin included (see check_period)
   for (int k = 0; k < 3; ++k) {
-    if (!s.scene.periodicity().is_periodic(k)) continue;
-    const double room = 0.25 * s.scene.periodicity().period()[k] - s.facts.largest_radius - s.scene.contact_range();
+    const Periodicity& periodicity = s.particles.cell.periodicity();
+    if (!periodicity.is_periodic(k)) continue;
+    const double room = 0.25 * periodicity.period()[k] - s.facts.largest_radius - s.scene.contact_range();
     skin = std::min(skin, 2 * kShareOfRoom * room);
   }
   return skin;
@@ -50,10 +71,11 @@ bool NeighbourLists::may_agree_ahead(const RunState& s, bool rebuilt) const {
 
 StepReport NeighbourLists::look(const RunState& s, bool rebuilt) {
   const ParticleSet& p = s.particles;
-  const double limit = 0.5 * kShareOfSkin * (rebuilt ? skin_for(s, fastest_) : skin_), dt = s.clock.dt;
+  const double skin = rebuilt ? skin_for(s, fastest_) : skin_, of_cell = rebuilt ? 0 : skin_of_cell(s, period_listed_, skin);
+  const double limit = std::max(0.0, 0.5 * (kShareOfSkin * skin - of_cell)), dt = s.clock.dt;
   const bool ahead = can_agree_ahead(s);
-  bool beyond = !rebuilt && walls_moved(s, walls_listed_, s.walls) > limit, soon = beyond;
-  double fastest = fastest_wall(s, s.walls);
+  bool beyond = !rebuilt && (walls_moved(s, walls_listed_, s.walls) > limit || of_cell > 0.5 * skin), soon = beyond;
+  double fastest = std::max(fastest_wall(s, s.walls), speed_of_cell(s));
   if (ahead && s.scene.has_driven_walls()) {
     std::vector<WallState> next;
     for (const Wall& wall : s.scene.source().walls) next.push_back(wall_state(wall, s.clock.time() + dt));
@@ -104,6 +126,7 @@ void NeighbourLists::rebuild(RunState& s, Balance& balance) {
     s.pairs.rebuild(s.scene, s.particles, s.walls, skin_, s.times);
     std::copy(s.particles.x.begin(), s.particles.x.end(), s.particles.x_listed.begin());
     walls_listed_ = s.walls;
+    period_listed_ = s.particles.cell.periodicity().period();
     ++rebuilds_;
   }
   search -= sort - sorted;

@@ -218,8 +218,9 @@ void Simulation::move_bodies() {
   const PhaseTimer timer(state_.times, Phase::integrate);
   Balance& balance = decomposition_.balance();
   const WorkTimer work(balance.computing(), balance.weight_of(step()));
+  failure_.watch(step(), [&] { for_each_effect(&Effect::before_drift); });
   begin_step(state_.integrator, state_.particles, state_.clock.dt, state_.fluid_forces());
-  if (state_.scene.periodicity().any()) wrap_positions(state_.scene.periodicity(), state_.particles);
+  if (state_.scene.periodicity().any()) wrap_positions(state_.particles);
   failure_.watch(step(), [&] { for_each_effect(&Effect::drift); });
   state_.clock.advance();
   const auto cause_of = [this](std::size_t row) {

@@ -347,7 +347,7 @@ def far_away_things(trial):
 def other_output(trial):
     """What is written, and how often, is no physics."""
     run = trial.completed()
-    if trial.case.value("time", "stop_at_rest") or trial.case.value("time", "stop_when_empty"):
+    if trial.case.value("time", "stop_at_rest") or trial.case.value("time", "stop_when_empty") or trial.case.value("cell", "stop_when"):
         raise NotApplicable("the run ends at an output time")
     case = trial.case.copy()
     table = case.table("output")
@@ -396,6 +396,8 @@ def recording_impacts_is_no_physics(trial):
     """Recording impacts and losses changes nothing of what bodies do."""
     if trial.case.value("time", "sleep"):
         raise NotApplicable("is refused together with sleep")
+    if "cell" in trial.case.words:
+        raise NotApplicable("is refused together with a cell")
     case = trial.case.copy()
     table = case.table("output")
     table["impacts"] = not table.get("impacts", False)
@@ -478,7 +480,7 @@ def plan_tells_what_runs(trial):
         trial.spoil(rows)
     if "steps" not in rows:
         raise Violation(f"--plan names no number of steps:\n{out}")
-    if not trial.case.value("time", "stop_at_rest") and not trial.case.value("time", "stop_when_empty"):
+    if not trial.case.value("time", "stop_at_rest") and not trial.case.value("time", "stop_when_empty") and not trial.case.value("cell", "stop_when"):
         require(abs(int(rows["steps"][0]) - run.record["steps"]) <= 1, f"--plan promises {rows['steps'][0]} steps, the run takes {run.record['steps']}")
 
 

@@ -76,6 +76,7 @@ DIMENSIONS = {
     "walls.*.shape.plane.point": (1, 0, 0),
     "walls.*.shape.plate.corner": (1, 0, 0), "walls.*.shape.plate.side_a": (1, 0, 0), "walls.*.shape.plate.side_b": (1, 0, 0),
     "walls.*.shape.sphere_inside.centre": (1, 0, 0), "walls.*.shape.sphere_inside.radius": (1, 0, 0),
+    **{f"cell.strain_rate.{axis}": (0, 0, -1) for axis in "xyz"}, **{f"cell.stress.{axis}": (-1, 1, -2) for axis in "xyz"},
     "output.every": (0, 0, 1), "output.checkpoint": (0, 0, 1),
     # temperatures keep their unit
     "materials.*.heat_capacity": (2, 0, -2), "materials.*.conductivity": (1, 1, -3), "materials.*.real_young": (-1, 1, -2),
@@ -108,6 +109,7 @@ PLAIN = {
     "walls.*.shape.trough.segments", "walls.*.shape.screw.segments", "walls.*.shape.screw.starts", "walls.*.shape.paddles.segments",
     "walls.*.shape.paddles.count", "walls.*.shape.paddles.angle", "walls.*.shape.paddles.turn",
     "walls.*.shape.hopper.segments", "walls.*.shape.drum.lifters.count",
+    "cell.stop_when.strain", "cell.stop_when.stress_error", "cell.stop_when.kinetic_ratio",
     "heat.temperature", "bodies.*.temperature", "populations.*.temperature", "inlets.*.temperature", "walls.*.temperature",
     "walls.*.exchange.temperature", "walls.*.temperature.temperature", "walls.*.exchange.temperature.temperature",
 }

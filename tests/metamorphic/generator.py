@@ -1607,3 +1607,48 @@ def gas_and_stillness(d, own, table):
     if own.random() < 0.7 and not asks and time.get("step_control", "fixed") == "fixed" and not output.get("impacts"):
         table["frozen"] = True
         table["friction_heat"] = False
+
+
+@feature
+def cell(d):
+    """The periodic cell deforms, in some scenes, which then have no walls. From numbers of its own, as surfaces. Each axis changes by a tenth at
+    most, or is pressed by some thousandths of what its contacts can bear."""
+    own = random_numbers.Random(f"cell {d.case.note}")
+    words, time = d.words, d.words["time"]
+    if own.random() < (0.85 if d.case.walls else 0.3) or any(words.get(key) for key in ("inlets", "outlets", "bonds", "fluid", "heat", "populations", "start")):
+        return
+    if any(body.get("fixed") or body.get("force") for body in words["bodies"]) or any("pieces" in shape for shape in words["shapes"].values()):
+        return
+    if time.get("step_control") == "quantised" or words.get("motion", {}).get("integrator") == "euler" or words["output"].get("impacts") or time.get("sleep"):
+        return
+    for key in ("stop_at_rest", "stop_when_empty"):
+        time.pop(key, None)
+    words["gravity"] = [0.0, 0.0, 0.0]
+    surfaces = {wall["shape"]["file"][1:] for wall in d.case.walls if str(wall["shape"].get("file", "")).startswith("@")}
+    for name in surfaces - {shape["file"][1:] for shape in words["shapes"].values() if "file" in shape}:
+        d.case.meshes.pop(name, None)
+    words.pop("walls", None)
+    words.get("contact", {}).pop("on_overlap", None)
+    places = numpy.array([body["position"] for body in words["bodies"]])
+    room = d.radius * max([1.0, *(body.get("scale", 1.0) for body in words["bodies"])]) + d.margin
+    low, high = places.min(axis=0) - 1.1 * room, places.max(axis=0) + 1.1 * room
+    lack = numpy.maximum(0.0, 4.8 * room - (high - low)) / 2     # a tenth may go
+    words["domain"] = {"min": (low - lack).tolist(), "max": (high + lack).tolist(), "periodic": ["x", "y", "z"]}
+    table = words["cell"] = {}
+    rates, stresses = {}, {}
+    for axis in "xyz":
+        kind = own.choice(["strain_rate", "strain_rate", "stress", "none"])
+        if kind == "strain_rate":
+            rates[axis] = own.uniform(-0.1, 0.1) / d.duration
+        if kind == "stress":
+            stresses[axis] = d.stiffness / d.radius * 10 ** own.uniform(-6, -3)
+    if rates:
+        table["strain_rate"] = rates
+    if stresses:
+        table["stress"] = stresses
+    if own.random() < 0.4:
+        table["stop_when"] = {"strain": own.uniform(0.01, 0.2)}
+        if stresses and own.random() < 0.5:
+            table["stop_when"]["stress_error"] = own.uniform(0.01, 0.5)
+        if own.random() < 0.5:
+            table["stop_when"]["kinetic_ratio"] = own.uniform(0.01, 10)

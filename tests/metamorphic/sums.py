@@ -158,6 +158,8 @@ def energy_balance(trial):
     trial.seen(run)
     names = ("kinetic_translational", "kinetic_rotational", "potential", "elastic", "elastic_tangential", "dissipated", "wall_work", "energy_error")
     kt, kr, potential, elastic, tangential, dissipated, work, error = (run.column(name) for name in names)
+    if "cell_work" in run.log:
+        work = work + run.column("cell_work")
     scale = max((kt + kr).max(), numpy.abs(dissipated).max(), numpy.abs(work).max(), numpy.abs(elastic + tangential).max())
     rounding = 1e-8 * scale + 1e-12 * numpy.abs(potential).max()
     took, brought = (run.column(name) if name in run.log else 0 * kt for name in ("removed", "inserted"))
@@ -194,6 +196,7 @@ def finer_steps_keep_energy(trial):
         words.pop(name, None)
     for key in ("sleep", "sleep_tolerance", "step_control", "stop_at_rest", "stop_when_empty", "step"):
         words["time"].pop(key, None)
+    words.get("cell", {}).pop("stop_when", None)
     for wall in case.walls:
         wall.pop("wear", None)
     for pair in words.get("pairs", []):
@@ -215,7 +218,7 @@ def finer_steps_keep_energy(trial):
             trial.seen(run)
         off.append(numpy.abs(run.column("energy_error")).max())
     scale = max(run.column(name).max() for name in ("kinetic_translational", "elastic", "kinetic_rotational"))
-    scale = max([scale, *(numpy.abs(run.column(name)).max() for name in ("wall_work", "removed", "inserted") if name in run.log)])
+    scale = max([scale, *(numpy.abs(run.column(name)).max() for name in ("wall_work", "cell_work", "removed", "inserted") if name in run.log)])
     if scale == 0:
         raise NotApplicable("nothing moves")
     rounding = 1e-8 * scale + 1e-12 * numpy.abs(run.column("potential")).max()

@@ -142,6 +142,9 @@ def placed(case, how):
         words["domain"]["min"], words["domain"]["max"] = how.box([words["domain"]["min"], words["domain"]["max"]])
         if "periodic" in words["domain"]:
             words["domain"]["periodic"] = [how.axis(name) for name in words["domain"]["periodic"]]
+    for key in ("strain_rate", "stress"):
+        if key in words.get("cell", {}):
+            words["cell"][key] = {how.axis(name): value for name, value in words["cell"][key].items()}
     if "velocity" in words.get("fluid", {}):
         words["fluid"]["velocity"] = how.vector(words["fluid"]["velocity"])
     for body in words.get("bodies", []):

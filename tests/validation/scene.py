@@ -118,7 +118,7 @@ class Case:
             self.tables["domain"] = domain
         self.shapes, self.solids, self.surfaces, self.files = {}, {}, {}, {}
         self.materials, self.pairs, self.bodies, self.walls, self.populations, self.inlets, self.outlets = {}, {}, [], [], [], [], []
-        self.bonds, self.fluid, self.heat = [], None, None  # heat: the words of [heat]
+        self.bonds, self.fluid, self.heat, self.cell = [], None, None, None  # heat, cell: the words of [heat] and [cell]
 
     # shapes: each gives its name, so that a call can stand where a body is made
     def sphere(self, name, radius):
@@ -203,6 +203,8 @@ class Case:
             lines += ["[fluid]"] + [f"{key} = {toml(value)}" for key, value in self.fluid.items()]
         if self.heat is not None:
             lines += ["[heat]"] + [f"{key} = {toml(value)}" for key, value in self.heat.items()]
+        if self.cell is not None:
+            lines += ["[cell]"] + [f"{key} = {toml(value)}" for key, value in self.cell.items()]
         for name, tables in (("inlets", self.inlets), ("outlets", self.outlets), ("bonds", self.bonds)):
             for table in tables:
                 lines += [f"[[{name}]]"] + [f"{key} = {toml(value)}" for key, value in table.items()]

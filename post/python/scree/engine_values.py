@@ -101,7 +101,7 @@ class Energies:
     tangential_elastic  of all contacts, in the springs of friction across their normals
     dissipated          taken by damping and friction of contacts and by a fluid, since the start
     wall_work           done by moving walls on the bodies, since the start
-    outer_work          done by forces of `set_wrench` and `add_force`, since the start
+    outer_work          done by forces of `set_wrench` and `add_force`, or by a periodic cell that deforms, since the start
     removed             kinetic and potential, of bodies that left the run, as they left it
     arrived             kinetic and potential, of bodies that came in after the start, as they came in
     bond                of the bonds that hold

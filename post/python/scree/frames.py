@@ -16,7 +16,7 @@ from .errors import InputError, UsageError, unknown_name
 from .hdf import json_of, opened
 from .measures import frame_measures
 from .meshes import Mesh
-from .regions import Region, region
+from .regions import Cell, Periodicity, Region, region
 from .rows import Bodies, Contacts, Walls, Store
 from .scene import Scene
 
@@ -78,6 +78,16 @@ class Frame:
     def dissipated(self) -> float:
         """Energy dissipated since the start [J]."""
         return float(self._facts["dissipated"])
+
+    @property
+    def cell(self) -> Cell | None:
+        """The periodic cell of a scene with [cell]: lengths, rates, stress. None in any other scene."""
+        return self._store.cell
+
+    @property
+    def periodicity(self) -> Periodicity:
+        """Periodic axes at this time: those of the cell, or of the domain."""
+        return self._store.periodicity
 
     @property
     def provenance(self) -> dict[str, Any]:

@@ -64,7 +64,7 @@ def _contacts(frame: Frame, particle: np.ndarray, member: np.ndarray, part: Regi
         np.add.at(neighbours, row[mine & first], 1)
     neighbours = neighbours[member]
     few = neighbours < 2
-    held = np.ones(len(c), dtype=bool) if part is None else frame.scene.periodicity.contained(part, c.point)
+    held = np.ones(len(c), dtype=bool) if part is None else frame.periodicity.contained(part, c.point)
     among = held & (row_a >= 0) & (row_b >= 0) & particle[row_a] & particle[row_b]
     normal, normal_force = c.normal[among], c.normal_force[held]
     fabric = normal.T @ normal / len(normal) if len(normal) else np.full((3, 3), np.nan)
@@ -80,7 +80,7 @@ def frame_measures(frame: Frame, part: Region | None) -> dict[str, float]:
     """See Frame.measures."""
     bodies = frame.bodies
     particle = bodies.is_particle if len(bodies) else np.zeros(0, dtype=bool)
-    member = particle if part is None else particle & frame.scene.periodicity.contained(part, bodies.position)
+    member = particle if part is None else particle & frame.periodicity.contained(part, bodies.position)
     numbers = {**_contacts(frame, particle, member, part), **_motion(frame, member)}
     if part is None:
         numbers.update({"kinetic_energy": frame.kinetic, "potential_energy": frame.potential, "elastic_energy": frame.elastic,

@@ -79,12 +79,13 @@ class Packing:
         """
         scene = bodies._store.scene
         exact = np.array([s.sphere_radius or 0.5 * s.equivalent_diameter for s in scene.shapes.in_order])  # of a sphere to the last digit
-        domain = scene.settings.get("domain", {})
+        domain, cell = scene.settings.get("domain", {}), bodies._store.cell
         bounded = domain.get("bounded", "min" in domain)
+        lower, upper = (cell.lower, cell.upper) if cell else (domain["min"], domain["max"]) if bounded else (None, None)
         return cls(bodies.position, exact[bodies.shape] * bodies.scale, id=bodies.id, kind=bodies.material + 1, velocity=bodies.velocity,
                    angular_velocity=bodies.angular_velocity, quaternion=bodies.quaternion,
                    density=np.array([m.density for m in scene.materials.in_order])[bodies.material],
-                   lower=domain["min"] if bounded else None, upper=domain["max"] if bounded else None, periodic=domain.get("periodic", (False,) * 3))
+                   lower=lower, upper=upper, periodic=domain.get("periodic", (False,) * 3))
 
     @classmethod
     def read(cls, path: str | os.PathLike[str], format: str | None = None, unit: str = "m", radius: str | float | None = None,  # noqa: A002

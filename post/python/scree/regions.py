@@ -192,3 +192,35 @@ class Periodicity:
                 for z in shifts[2]:
                     inside |= part.contains(points + np.array([x, y, z]))
         return inside
+
+
+class Cell(Periodicity):
+    """The periodic cell of a frame of a scene with [cell]. Stresses are positive in compression.
+
+    lower, period  its lower corner and its lengths [m]
+    rate           (dh/dt) / h of each length [1/s]
+    stress         symmetric, 3 x 3 [Pa]
+    """
+
+    def __init__(self, lower: ArrayLike, upper: ArrayLike, rate: ArrayLike, normal_stress: ArrayLike, shear_stress: ArrayLike) -> None:
+        """Each with three values; stresses as xx, yy, zz and yz, xz, xy."""
+        super().__init__(lower, np.subtract(upper, lower))
+        self.rate: np.ndarray = np.asarray(rate, dtype=float)
+        yz, xz, xy = np.asarray(shear_stress, dtype=float)
+        xx, yy, zz = np.asarray(normal_stress, dtype=float)
+        self.stress: np.ndarray = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+    @property
+    def upper(self) -> np.ndarray:
+        """Its upper corner [m]."""
+        return self.lower + self.period
+
+    @property
+    def volume(self) -> float:
+        """[m^3]"""
+        return float(np.prod(self.period))
+
+    @property
+    def pressure(self) -> float:
+        """A third of the trace of the stress [Pa]."""
+        return float(np.trace(self.stress)) / 3

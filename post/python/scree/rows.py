@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 import numpy as np
@@ -11,7 +12,7 @@ from .chunks import read_array
 from .errors import InputError, UnknownName, missing_package, unknown_name
 from .hdf import opened
 from .meshes import rotate
-from .regions import Region, region
+from .regions import Cell, Periodicity, Region, region
 from .scene import Scene
 from .within import bodies_within
 
@@ -53,6 +54,22 @@ class Store:
         self._arrays: dict[str, np.ndarray] = {}
         self._orders: dict[str, np.ndarray | None] = {}
 
+    @cached_property
+    def cell(self) -> Cell | None:
+        """The periodic cell of the frame where it deforms."""
+        with opened(self.path, "scree-frame", 1) as file:
+            if "cell" not in file:
+                return None
+            values = [read_array(self.path, file["cell"][name]) for name in ("lower", "upper", "rate", "normal_stress", "shear_stress")]
+        if any(v.shape != (1, 3) or not np.all(np.isfinite(v)) for v in values):
+            raise InputError(f"{self.path}: cell: one row of three numbers expected in each column; the file is damaged")
+        return Cell(*(v[0] for v in values))
+
+    @property
+    def periodicity(self) -> Periodicity:
+        """Periodic axes at the time of the frame."""
+        return self.cell or self.scene.periodicity
+
     def get(self, name: str) -> np.ndarray:
         if name not in self._arrays:
             with opened(self.path, "scree-frame", 1) as file:
@@ -80,8 +97,8 @@ class Store:
     def _keep(self, name: str, values: np.ndarray, order: np.ndarray | None) -> None:
         if order is not None:
             values = values[order]
-        if name == "contacts/point" and self.scene.periodicity.any:
-            values = self.scene.periodicity.wrap(values)  # a contact across a periodic side is written where one of the two sees it
+        if name == "contacts/point" and self.periodicity.any:
+            values = self.periodicity.wrap(values)  # a contact across a periodic side is written where one of the two sees it
         values.flags.writeable = False
         self._arrays[name] = values
 
@@ -242,7 +259,7 @@ class Bodies(Rows):
 
         The rule is that of scree-post. In a periodic domain a region can extend beyond a side: it then contains images of bodies.
         """
-        return self[self._store.scene.periodicity.contained(region(part), self.position)]
+        return self[self._store.periodicity.contained(region(part), self.position)]
 
     def within(self, place: Region | str) -> Bodies:
         """The bodies that have not left a wall, by its name, or a region, as `--within` of scree-post: what is in front of a plane; with its
@@ -283,7 +300,7 @@ class Contacts(Rows):
 
     def in_region(self, part: Region | str) -> Contacts:
         """The contacts whose contact point lies in a region, with the rule of `Bodies.in_region`."""
-        return self[self._store.scene.periodicity.contained(region(part), self.point)]
+        return self[self._store.periodicity.contained(region(part), self.point)]
 
     def of(self, bodies: Bodies) -> Contacts:
         """The contacts between two of the bodies, or between one of them and a wall or fixed body."""

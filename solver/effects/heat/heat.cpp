@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "solver/bodies/kept_sum.hpp"
 #include "solver/effects/heat/contact_losses.hpp"
 #include "solver/effects/heat/heat_effect.hpp"
-#include "solver/effects/heat/kept_sum.hpp"
 #include "solver/pairs/forces.hpp"
 #include "solver/ranks/failure.hpp"
 #include "solver/ranks/halo.hpp"

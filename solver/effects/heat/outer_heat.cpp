@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/base/error.hpp"
-#include "solver/effects/heat/kept_sum.hpp"
+#include "solver/bodies/kept_sum.hpp"
 
 namespace scree {
 

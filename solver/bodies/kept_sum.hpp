@@ -1,4 +1,4 @@
-// A sum that keeps what rounding takes from it: temperatures of bodies, and what passed from their media.
+// A sum that keeps what rounding takes from it: temperatures of bodies, what passed from their media, places in a cell that deforms.
 #pragma once
 
 namespace scree {

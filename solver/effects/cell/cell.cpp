@@ -1,0 +1,188 @@
+#include "solver/effects/cell/cell.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/error.hpp"
+#include "solver/bodies/cell_motion.hpp"
+#include "solver/bodies/motion.hpp"
+#include "solver/effects/cell/cell_effect.hpp"
+
+namespace scree {
+
+namespace {
+
+/// Most that a step may change a length, of itself: far beyond what the step of contacts leaves room for, and where cell.cpp's series for
+/// exp(z) is exact to rounding.
+constexpr double kMostGrowth = 1e-3;
+/// Of the largest body: see check_period().
+constexpr double kRoomForSkin = 1.01;
+
+/// What of the momentum is more than rounding: over the sum of the sizes of its terms.
+constexpr double kMomentumRounding = 1e-13;
+
+}  // namespace
+
+void CellEffect::begin(RunState& s) {
+  ParticleSet& p = s.particles;
+  ExactSum mass, solid;
+  for (std::size_t i = 0; i < p.owned; ++i) {
+    mass.add(p.mass[i]);
+    solid.add(p.mass[i] / s.scene.source().materials[static_cast<std::size_t>(p.material[i])].density);
+  }
+  mass_ = over_ranks(s.comm.get(), mass).value();
+  solid_volume_ = over_ranks(s.comm.get(), solid).value();
+  if (is_restored_) return;
+  contact_time_ = s.clock.size.contact_time;
+  if (!(contact_time_ > 0) && control_.any_by_stress())
+    throw UsageError("cell.stress: no two bodies can touch, so that nothing withstands a stress; use cell.strain_rate");
+  p.cell.begin(first_, {});
+  p.cell.set_rate(-control_.strain_rate);
+  take_mean_velocity(s);
+}
+
+/// The momentum of all bodies together is 0 from then on: dP/dt = -L P.
+void CellEffect::take_mean_velocity(RunState& s) const {
+  ParticleSet& p = s.particles;
+  std::vector<ExactSum> sums(6);
+  for (std::size_t i = 0; i < p.owned; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      sums[static_cast<std::size_t>(k)].add(p.mass[i] * p.v[i][k]);
+      sums[static_cast<std::size_t>(3 + k)].add(p.mass[i] * std::abs(p.v[i][k]));
+    }
+  }
+  add_over_ranks(s.comm.get(), sums);
+  Vec3 mean, size;
+  for (int k = 0; k < 3; ++k) {
+    mean[k] = sums[static_cast<std::size_t>(k)].value() / mass_;
+    size[k] = sums[static_cast<std::size_t>(3 + k)].value() / mass_;
+  }
+  for (std::size_t i = 0; i < p.owned; ++i) p.v[i] -= mean;
+  if (length(mean) > kMomentumRounding * length(size) && s.comm.rank() == 0)
+    warn_once("scree-solver",
+              fmt::format("the bodies of the cell have a mean velocity of [{:.4g}, {:.4g}, {:.4g}] m/s, which was taken from each: they "
+                          "move with the cell",
+                          mean.x, mean.y, mean.z));
+}
+
+double CellEffect::inertia(const RunState& s, int axis) const {
+  const double h = s.particles.cell.periodicity().period()[axis];
+  return mass_ * h * h / (std::numbers::pi * std::numbers::pi);
+}
+
+double CellEffect::damping(const RunState& s, int axis) const {
+  const Cell& cell = s.particles.cell;
+  const double spacing = std::cbrt(cell.volume() / static_cast<double>(s.facts.count));
+  return std::numbers::sqrt2 * std::numbers::pi * std::numbers::pi * spacing / (cell.periodicity().period()[axis] * contact_time_);
+}
+
+void CellEffect::start(RunState& s) {
+  const double dt = s.clock.dt;
+  const CellSums sums = diagonal_cell_sums(s);
+  const Vec3 sum = sums.diagonal(), rate = s.particles.cell.rate();
+  next_rate_ = rate;
+  for (int k = 0; k < 3; ++k) {
+    if (!control_.by_stress(k)) continue;
+    const double push = (sum[k] - control_.stress[k] * s.particles.cell.volume()) / inertia(s, k);
+    next_rate_[k] = 0.5 * dt * push / (1 + 0.5 * damping(s, k) * dt);  // from rest, half a step
+  }
+  power_ = -dot(sum, rate);
+  losing_ = -dot(sums.lost, rate);
+  work_ += 0.5 * dt * power_;  // as of walls: the first kick is by half a step
+  lost_ += 0.5 * dt * losing_;
+}
+
+void CellEffect::before_drift(RunState& s) {
+  Cell& cell = s.particles.cell;
+  const double dt = s.clock.dt;
+  for (int k = 0; k < 3; ++k) {
+    if (!(std::abs(next_rate_[k] * dt) <= kMostGrowth))
+      throw RunInvalid(
+          "step {}: the cell changes its length along {} by {:.3g} of it in a step of {:.3g} s, more than {:g}: reduce the "
+          "step, or cell.{}",
+          s.clock.step, "xyz"[k], std::abs(next_rate_[k] * dt), dt, kMostGrowth, control_.by_stress(k) ? "stress" : "strain_rate");
+  }
+  cell.deform(next_rate_, dt);
+  carry_with_cell(s.particles);
+  const double needed = 4 * (kRoomForSkin * s.facts.largest_radius + s.scene.contact_range());
+  for (int k = 0; k < 3; ++k) {
+    if (cell.periodicity().period()[k] >= needed) continue;
+    throw RunInvalid(
+        "step {}: the cell is {:g} m long along {}, and its largest body, with a bounding radius of {:g} m, needs {:g} m, two "
+        "diameters and margins: end the run before, by cell.stop_when or time.duration, or use more bodies",
+        s.clock.step, cell.periodicity().period()[k], "xyz"[k], s.facts.largest_radius, needed);
+  }
+}
+
+void CellEffect::drift(RunState& s) { slow_with_cell(s.particles); }
+
+void CellEffect::end_step(const StepParts& parts) {
+  RunState& s = parts.state;
+  Cell& cell = s.particles.cell;
+  const double dt = s.clock.dt;
+  const CellSums sums = diagonal_cell_sums(s);
+  const Vec3 sum = sums.diagonal();
+  Vec3 rate = cell.rate();
+  for (int k = 0; k < 3; ++k) {
+    if (!control_.by_stress(k)) continue;
+    const double push = (sum[k] - control_.stress[k] * cell.volume()) / inertia(s, k), half = 0.5 * damping(s, k) * dt;
+    const double last = next_rate_[k];
+    next_rate_[k] = ((1 - half) * last + dt * push) / (1 + half);
+    rate[k] = 0.5 * (last + next_rate_[k]);
+  }
+  cell.set_rate(rate);
+  power_ = -dot(sum, rate);
+  losing_ = -dot(sums.lost, rate);
+  work_ += dt * power_;
+  lost_ += dt * losing_;
+}
+
+Vec3 CellEffect::strain(const RunState& s) const {
+  const Vec3& h = s.particles.cell.periodicity().period();
+  return {std::log(first_.x / h.x), std::log(first_.y / h.y), std::log(first_.z / h.z)};
+}
+
+std::string CellEffect::ends_run(const RunState& s) const {
+  const CellControl& c = control_;
+  const Vec3 now = strain(s);
+  if (c.stop_strain > 0 && Cell::largest_of(now) >= c.stop_strain)
+    return fmt::format("the cell has the strain {:.4g} of cell.stop_when", Cell::largest_of(now));
+  if (!(c.stop_stress_error > 0) && !(c.stop_kinetic_ratio > 0)) return {};
+  const ParticleSet& p = s.particles;
+  const Vec3 sum = diagonal_cell_sums(s).diagonal();
+  double error = 0;
+  const double largest = Cell::largest_of(c.stress);
+  for (int k = 0; k < 3; ++k) {
+    if (c.by_stress(k)) error = std::max(error, std::abs(sum[k] / p.cell.volume() - c.stress[k]) / largest);
+  }
+  if (c.stop_stress_error > 0 && !(error <= c.stop_stress_error)) return {};
+  std::vector<ExactSum> energies(2);
+  for (std::size_t i = 0; i < p.owned; ++i) energies[0].add(translational_energy(p, i) + rotational_energy(p, i));
+  for (const auto* pairs : {&s.pairs.inner(), &s.pairs.outer()}) {
+    for (const std::int32_t k : *pairs) {
+      const PairResult& r = s.pairs.results()[static_cast<std::size_t>(k)];
+      if (r.active) energies[1].add(r.elastic + r.tangential_elastic);
+    }
+  }
+  add_over_ranks(s.comm.get(), energies);
+  const double kinetic = energies[0].value(), stored = energies[1].value();
+  if (c.stop_kinetic_ratio > 0 && !(stored > 0 && kinetic <= c.stop_kinetic_ratio * stored)) return {};
+  return fmt::format("the stresses of the cell are within {:.2g} of their targets, and its kinetic energy is {:.2g} of that of contacts",
+                     error, stored > 0 ? kinetic / stored : 0);
+}
+
+EffectKind cell_effect() {
+  return {{"cell", "the cell differs", CellEffect::format()},
+          {"cell", "no [cell]: the domain stays as it is"},
+          [](const RunState& s) -> std::unique_ptr<Effect> {
+            if (!s.scene.source().settings.cell) return nullptr;
+            if (const CellBlocker blocker = cell_blocker(s.scene.source()); blocker.key != nullptr)
+              throw UsageError("cell: does not go with {}: {}", blocker.key, blocker.why);
+            return std::make_unique<CellEffect>(s);
+          }};
+}
+
+}  // namespace scree

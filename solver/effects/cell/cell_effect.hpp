@@ -1,0 +1,49 @@
+// The effect as its own files see it.
+#pragma once
+
+#include "solver/effects/cell/cell_sums.hpp"
+#include "solver/state/effect.hpp"
+#include "solver/state/run_state.hpp"
+
+namespace scree {
+
+class CellEffect : public Effect {
+ public:
+  explicit CellEffect(const RunState& s) : control_(*s.scene.source().settings.cell), first_(s.scene.periodicity().period()) {}
+
+  void begin(RunState& s) override;
+  void start(RunState& s) override;
+  void before_drift(RunState& s) override;
+  void drift(RunState& s) override;
+  void end_step(const StepParts& parts) override;
+  std::string ends_run(const RunState& s) const override;
+
+  EffectRecord record(const RunState& s) const override;
+  void restore(RunState& s, const EffectRecord& record) override;
+  static std::vector<ArrayFormat> format();
+
+  void add_energies(const RunState& s, Energies& energies) const override;
+  void add_log_columns(const RunState& s, const Energies&, std::vector<Column>& columns) const override;
+  void add_frame(const RunState& s, Frame& frame) const override;
+  std::vector<PlanLine> plan(const RunState& s) const override;
+
+ private:
+  void take_mean_velocity(RunState& s) const;
+  double damping(const RunState& s, int axis) const;
+  double inertia(const RunState& s, int axis) const;
+  Vec3 strain(const RunState& s) const;
+
+  const CellControl control_;
+  const Vec3 first_;  // lengths at the start [m]
+
+  // what a restart needs
+  bool is_restored_ = false;
+  double contact_time_ = 0;        // of the contact that limits the step, at the start [s]
+  Vec3 next_rate_;                 // diagonal of L over the next step [1/s]
+  double work_ = 0, lost_ = 0;     // of the cell on the bodies; by damping and friction: the last step counts in full [J]
+  double power_ = 0, losing_ = 0;  // the same at the end of the last step [W]
+
+  double mass_ = 0, solid_volume_ = 0;  // of all bodies [kg], [m^3]
+};
+
+}  // namespace scree

@@ -1,0 +1,241 @@
+#!/usr/bin/env python3
+"""Periodic cells as a user meets them: ranks, restarts, ends, messages, readers. usage: cell_test.py BIN_FOLDER MPIEXEC [TEST...]"""
+import glob
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+import h5py
+import numpy
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(HERE, "..", "support"))
+from tool_runs import BIN, ENV, column, main, make_killed, outcome, pack, physics_of_log, run  # noqa: E402
+
+CASE = """
+seed = 7
+gravity = [0, 0, 0]
+[time]
+duration = {duration}
+steps_per_contact = 20
+[domain]
+min = [-0.02, 0.01, 0]
+max = [0.05, 0.08, 0.07]
+periodic = ["x", "y", "z"]
+[cell]
+{cell}
+[contact]
+impact_speed = 1
+[shapes.ball]
+sphere = {{ radius = 0.005 }}
+[shapes.rock]
+file = "rock.shape.h5"
+[materials.stone]
+density = 2500
+[[pairs]]
+between = ["stone", "stone"]
+stiffness = 2e4
+restitution = 0.4
+friction = 0.4
+{pair}
+[[populations]]
+shapes = {shapes}
+material = "stone"
+count = {count}
+region = {{ box = [[-0.02, 0.01, 0], [0.05, 0.08, 0.07]] }}
+velocity = [0.3, 0.1, -0.2]
+[[bodies]]
+shape = "ball"
+material = "stone"
+position = [0.015, 0.045, 0.035]
+velocity = [-1, 0.5, 2]
+[output]
+every = {every}
+checkpoint = {checkpoint}
+"""
+
+
+def words(cell='strain_rate = { x = 6, y = 4 }\nstress = { z = "4 kPa" }', duration=0.04, every=0.004, checkpoint=0.016, count=230,
+          shapes="{ ball = 1 }", pair=""):
+    return CASE.format(cell=cell, duration=duration, every=every, checkpoint=checkpoint, count=count, shapes=shapes, pair=pair)
+
+
+def make_rock():
+    if not os.path.exists("rock.shape.h5"):
+        subprocess.run([os.path.join(BIN, "scree-mesher"), "generate", "rock", "--diameter", "0.01", "--seed", "4", "-o", "rock.shape.h5"], env=ENV, check=True,
+                       capture_output=True)
+
+
+def end_of(folder):
+    """Of the last frame: bodies by id, and the cell."""
+    with h5py.File(sorted(glob.glob(f"{folder}/frame_*.hdf"))[-1]) as file:
+        order = file["VTKHDF/PointData/id"][()].argsort()
+        found = {"x": file["VTKHDF/Points"][()][order], "v": file["VTKHDF/PointData/velocity"][()][order]}
+        found.update({name: file["cell"][name][()] for name in file["cell"]})
+    return {name: value.tolist() for name, value in found.items()}
+
+
+def the_same(name, text):
+    pack(name, text)
+    kept = None
+    for ranks, threads in ((1, 1), (1, 2), (2, 1), (3, 1)):
+        folder = f"{name}{ranks}t{threads}.run"
+        run(ranks, f"{name}.scene.h5", "-o", folder, threads=threads)
+        found = physics_of_log(folder), end_of(folder)
+        kept = kept or found
+        assert found == kept, f"{folder}: another run than on one rank"
+    contacts = column(f"{name}1t1.run", "contacts")
+    assert contacts[-1] > 20, contacts
+    assert column(f"{name}1t1.run", "stress_zz")[-1] > 0
+    killed = f"{name}-killed.run"
+    shutil.copytree(f"{name}3t1.run", killed)
+    make_killed(killed, keep=1)
+    run(2, f"{name}.scene.h5", "-o", killed, "--restart", "latest")
+    assert (physics_of_log(killed), end_of(killed)) == kept, "another run than without a kill"
+    said = run(2, "verify", f"{name}1t1.run").stdout
+    assert "the same, bit for bit" in said, said
+
+
+def the_same_bits_on_any_ranks_and_threads_and_after_a_restart():
+    the_same("balls", words())
+
+
+def the_same_bits_of_rocks_on_any_ranks_and_after_a_restart():
+    make_rock()
+    the_same("rocks", words(shapes="{ ball = 1, rock = 2 }", duration=0.016, checkpoint=0.008, every=0.004,
+                            cell='strain_rate = { x = 8, y = 8, z = 8 }'))
+
+
+def lists_and_ghosts_never_change_a_result():
+    """A cell that moves fast and far: lists that held too long would miss contacts, and their number would change the bits."""
+    text = words(cell="strain_rate = { x = 20, y = 20, z = -35 }", duration=0.02, every=0.002, checkpoint=0.02)
+    pack("fast", text)
+    run(1, "fast.scene.h5", "-o", "one.run")
+    run(3, "fast.scene.h5", "-o", "three.run")
+    assert physics_of_log("one.run") == physics_of_log("three.run")
+    length = column("one.run", "cell_z")
+    time = column("one.run", "time")
+    assert abs(length / length[0] / numpy.exp(35 * time) - 1).max() < 1e-12, length     # rounding of times and of exp
+    error = abs(column("one.run", "energy_error")).max() / abs(column("one.run", "cell_work")).max()
+    assert error < 0.02, error      # a contact that is missed and found deep brings far more
+
+
+def the_momentum_is_taken_and_stays_zero():
+    pack("gas", words())
+    said = run(1, "gas.scene.h5", "-o", "gas.run").stderr
+    assert "mean velocity" in said and "move with the cell" in said, said
+    with h5py.File(sorted(glob.glob("gas.run/checkpoint_*.h5"))[-1]) as file:
+        v = file["bodies/v"][()]
+    assert abs(v.sum(axis=0)).max() < 1e-13 * abs(v).sum(), v.sum(axis=0)       # rounding of as many terms and steps
+
+
+def a_run_ends_at_what_was_asked_for():
+    pack("strain", words(cell="strain_rate = { x = 5 }\nstop_when = { strain = 0.05 }"))
+    run(1, "strain.scene.h5", "-o", "strain.run")
+    end = outcome("strain.run")
+    assert end["outcome"] == "completed" and "strain" in json.dumps(end) and abs(end["time"] - 0.012) < 1e-4, end
+    pack("still", words(cell='stress = { x = "5 kPa", y = "5 kPa", z = "5 kPa" }\nstop_when = { stress_error = 0.02, kinetic_ratio = 0.01 }', duration=0.4))
+    run(1, "still.scene.h5", "-o", "still.run")
+    end = outcome("still.run")
+    assert end["time"] < 0.35, end
+    for axis in "xyz":
+        assert abs(column("still.run", f"stress_{axis}{axis}")[-1] / 5000 - 1) < 0.02
+    said = run(1, "still.scene.h5", "-o", "still.run", "--restart", "latest").stdout
+    assert outcome("still.run") == end, said
+
+
+def a_cell_that_becomes_too_thin_ends_the_run():
+    pack("thin", words(cell="strain_rate = { x = 30, y = -15, z = -15 }", duration=0.05, count=20))
+    said = run(1, "thin.scene.h5", "-o", "thin.run", expect=5).stderr
+    for word in ("the cell is", "m long along x", "two diameters", "cell.stop_when"):
+        assert word in said, said
+    said = run(2, "thin.scene.h5", "-o", "thin2.run", expect=5).stderr
+    assert "two diameters" in said, said
+    pack("quick", words(cell="strain_rate = { x = 1e5 }", count=20))
+    said = run(1, "quick.scene.h5", "-o", "quick.run", expect=5).stderr
+    assert "the cell changes its length along x" in said and "cell.strain_rate" in said, said
+
+
+def python_and_post_read_the_cell():
+    pack("read", words(duration=0.02, every=0.005))
+    run(1, "read.scene.h5", "-o", "read.run")
+    sys.path.insert(0, os.path.join(HERE, "..", "..", "post", "python"))
+    import scree
+    opened = scree.open("read.run")
+    frame, cell = opened.frames[-1], opened.frames[-1].cell
+    log = opened.log
+    assert abs(cell.period - [log[f"cell_{a}"][-1] for a in "xyz"]).max() <= 1e-16 * 4, cell.period    # rounding of upper - lower
+    assert [cell.stress[k, k] for k in range(3)] == [log[f"stress_{a}{a}"][-1] for a in "xyz"]
+    assert cell.stress[0, 1] == log["stress_xy"][-1] and cell.rate[0] == -6
+    x = frame.bodies.position
+    assert (x >= cell.lower).all() and (x <= cell.upper).all()
+    # the stress again, from what the frame holds: contacts and motion. Forces of a frame are of its time, those of the log of half a step before
+    mass = frame.bodies.mass
+    total = numpy.einsum("n,ni,nj->ij", mass, frame.bodies.velocity, frame.bodies.velocity)
+    c = frame.contacts
+    rows = {int(n): k for k, n in enumerate(frame.bodies.id)}
+    for k in range(len(c)):
+        a, b = rows[int(c.body_a[k])], rows[int(c.body_b[k])]
+        branch = frame.periodicity.nearest((x[a] - x[b])[None])[0]
+        total += numpy.outer(c.normal_force[k] * c.normal[k] + c.tangential_force[k], branch)
+    found = 0.5 * (total + total.T) / cell.volume
+    assert abs(found - cell.stress).max() < 0.05 * abs(cell.stress).max(), (found, cell.stress)
+    subprocess.run([os.path.join(BIN, "scree-post"), "statistics", "read.run", "-o", "read.statistics", "--no-charts"], env=ENV, check=True, capture_output=True)
+    subprocess.run([os.path.join(BIN, "scree-post"), "report", "read.run", "-o", "read.html"], env=ENV, check=True, capture_output=True)
+    with open("read.html") as file:
+        assert "Periodic cell" in file.read()
+    still = words().replace("[cell]\n", "").replace('strain_rate = { x = 6, y = 4 }\nstress = { z = "4 kPa" }', "")
+    pack("without", still)
+    run(1, "without.scene.h5", "-o", "without.run")
+    assert scree.open("without.run").frames[-1].cell is None
+    with open("without.run/log.csv") as file:
+        assert "cell" not in file.readline()
+    with h5py.File(sorted(glob.glob("without.run/checkpoint_*.h5"))[-1]) as file:
+        assert "cell" not in file
+
+
+def the_plan_says_what_each_axis_does():
+    pack("plan", words())
+    said = run(1, "plan.scene.h5", "--plan").stdout
+    for word in ("along x, shortens at 6 1/s", "along y, shortens at 4 1/s", "along z, moves to 4 kPa"):
+        assert word in said, said
+    pack("held", words(cell=""))
+    said = run(1, "held.scene.h5", "--plan").stdout
+    assert "along x, which stays" in said, said
+
+
+def mistakes_are_told_with_their_line():
+    base = words()
+    wrong = [
+        ("both", base.replace("strain_rate = { x = 6, y = 4 }", "strain_rate = { x = 6, z = 4 }"), ["stress.z", "strain_rate as well"]),
+        ("gravity", base.replace("gravity = [0, 0, 0]\n", ""), ["cell", "gravity", "write gravity = [0, 0, 0]"]),
+        ("axis", base.replace('["x", "y", "z"]', '["x", "y"]'), ["cell", "domain", "periodic"]),
+        ("outside", base.replace("[cell]", 'outside = "remove"\n[cell]'), ["cell", "domain.outside"]),
+        ("sleep", base.replace("[domain]", "sleep = true\n[domain]"), ["cell", "time.sleep"]),
+        ("quantised", base.replace("[domain]", 'step_control = "quantised"\n[domain]'), ["cell", "time.step_control"]),
+        ("euler", base + '[motion]\nintegrator = "euler"\n', ["cell", "motion.integrator"]),
+        ("fluid", base + "[fluid]\ndensity = 1\nviscosity = 1e-5\n", ["cell", "fluid"]),
+        ("wall", base + '[[walls]]\nshape = { plane = { point = [0, 0, 0], normal = [0, 0, 1] } }\nmaterial = "stone"\n', ["walls[0]", "[cell]", "do not deform"]),
+        ("fixed", base.replace("velocity = [-1, 0.5, 2]", "fixed = true"), ["bodies[0]", "fixed", "[cell]"]),
+        ("force", base.replace("velocity = [-1, 0.5, 2]", "force = [1, 0, 0]"), ["bodies[0]", "force", "momentum"]),
+        ("unit", base.replace('"4 kPa"', '"4 kN"'), ["a force", "a pressure"]),
+        ("target", base.replace('stress = { z = "4 kPa" }', "stop_when = { stress_error = 0.1 }"), ["stress_error", "no axis has a target"]),
+        ("negative", base.replace('"4 kPa"', '"-4 kPa"'), ["stress.z", "> 0"]),
+        ("unknown", base.replace("strain_rate", "strain_rat"), ["strain_rat", "strain_rate"]),
+    ]
+    for name, text, expected in wrong:
+        assert text != base, name
+        said = pack("wrong", text, expect=2)
+        assert [word for word in said.split() if word.startswith("wrong.toml")], f"{name}: no place in {said}"
+        for word in expected:
+            assert word in said, f"{name}: no '{word}' in {said}"
+    pack("good", base)
+
+
+if __name__ == "__main__":
+    main([the_same_bits_on_any_ranks_and_threads_and_after_a_restart, the_same_bits_of_rocks_on_any_ranks_and_after_a_restart,
+          lists_and_ghosts_never_change_a_result, the_momentum_is_taken_and_stays_zero, a_run_ends_at_what_was_asked_for,
+          a_cell_that_becomes_too_thin_ends_the_run, python_and_post_read_the_cell, the_plan_says_what_each_axis_does,
+          mistakes_are_told_with_their_line])

@@ -1,0 +1,147 @@
+"""Z: periodic cells under stress and strain. Closed forms of crystals, of a free body, the work of the cell, and its control."""
+import math
+
+import numpy
+
+from registry import case_of
+from scene import Case
+
+CASES = []
+case = case_of(CASES)
+
+# cells of a crystal: places of its bodies over the edge of the cell, distance of neighbours over that edge, p d^2 / (k (2 R - d))
+CRYSTALS = {
+    "simple cubic": ([(0, 0, 0)], 1.0, 1.0),
+    "body-centred": ([(0, 0, 0), (0.5, 0.5, 0.5)], math.sqrt(3) / 2, math.sqrt(3)),
+    "face-centred": ([(0, 0, 0), (0.5, 0.5, 0), (0.5, 0, 0.5), (0, 0.5, 0.5)], math.sqrt(0.5), 2 * math.sqrt(2)),
+}
+
+
+def crystal(name, cells, radius, distance, k, duration=1e-5, step=1e-5, **more):
+    """Balls in their places, so far apart, in so many cells along each axis; the domain begins away from the origin."""
+    places, ratio, _ = CRYSTALS[name]
+    edge = distance / ratio
+    corner = numpy.array([0.3, -0.2, 0.1]) * edge
+    c = Case(f"{name.replace(' ', '-')}-{cells}", duration=duration, step=step, margin=0, every=duration,
+             domain={"min": list(corner), "max": list(corner + cells * edge), "periodic": ["x", "y", "z"]}, **more)
+    c.cell = {}
+    c.sphere("ball", radius)
+    c.material("m", 2500.0)
+    c.pair_all(stiffness=k, restitution=1.0, friction=0.0)
+    for at in numpy.ndindex(cells, cells, cells):
+        for place in places:
+            c.body("ball", "m", corner + edge * (numpy.array(at) + place + 0.1))
+    return c
+
+
+def pressure(log, row=0):
+    return sum(log[f"stress_{a}{a}"][row] for a in "xyz") / 3
+
+
+@case("Z1", "U", "crystals of balls at rest in a periodic cell", "p = c k (2 R - d) / d^2, K = c k (4 R - d) / (3 d^2), c = 1, sqrt(3), 2 sqrt(2) (z n d^3 / 6)")
+def z1(tools, report):
+    radius, k = 0.01, 1e4
+    for name, (_, _, factor) in CRYSTALS.items():
+        for cells in (3, 4):
+            distance = 2 * radius * (1 - 5e-3)   # within what starts may overlap
+            run = report.run(crystal(name, cells, radius, distance, k).run(tools))
+            expected = factor * k * (2 * radius - distance) / distance**2
+            # places are rounded to 1e-17 m, of overlaps of 1e-4 m: 1e-13
+            for a in "xyz":
+                report.check(f"{name}, {cells} cells: stress along {a} [Pa]", run.log[f"stress_{a}{a}"][0], expected, 1e-12)
+            shear = max(abs(run.log[f"stress_{a}"][0]) for a in ("yz", "xz", "xy"))
+            report.check(f"{name}, {cells} cells: shear stress, over the pressure", shear / expected, 0, 1e-12, "absolute")
+        change = 1e-4
+        values = [pressure(report.run(crystal(name, 3, radius, distance * (1 + s * change), k).run(tools)).log) for s in (1, -1)]
+        bulk = -(values[0] - values[1]) / (6 * change)      # d ln V = 3 d ln d
+        # the third derivative of p over d is some 20 p / d^3: 1e-8 of a difference over 1e-4
+        report.check(f"{name}: bulk modulus from two cells [Pa]", bulk, factor * k * (4 * radius - distance) / (3 * distance**2), 1e-6)
+
+
+@case("Z2", "U", "two balls that do not meet in a cell that shrinks", "u = u_0 h_0 / h; x / h from the integral of u / h; the error of the step is of second order")
+def z2(tools, report):
+    rates, duration, length, speed = numpy.array([2.0, -1.0, 0.5]), 0.2, 0.4, 0.05
+    errors = []
+    for steps in (1000, 2000):
+        c = Case(f"Z2-{steps}", duration=duration, step=duration / steps, margin=0, every=duration,
+                 domain={"min": [-length / 2] * 3, "max": [length / 2] * 3, "periodic": ["x", "y", "z"]})
+        c.cell = {"strain_rate": dict(zip("xyz", rates))}
+        c.sphere("ball", 0.005)
+        c.material("m", 2500.0)
+        c.pair_all(stiffness=50.0, restitution=1.0, friction=0.0)
+        start = numpy.array([[0.05, 0.02, -0.03], [-0.06, -0.01, 0.04]])
+        velocity = speed * numpy.array([1.0, 0.5, -0.7])
+        for sign, x in zip((1, -1), start):
+            c.body("ball", "m", x, velocity=sign * velocity)
+        run = report.run(c.run(tools))
+        stretch = numpy.exp(-rates * duration)               # h / h_0
+        for k, a in enumerate("xyz"):
+            # h is multiplied by g in each step, and keeps what rounding takes
+            report.check(f"{steps} steps: length along {a}, over exp(-rate t)", run.log[f"cell_{a}"][-1] / length / stretch[k], 1, 1e-14)
+            report.check(f"{steps} steps: strain along {a}", run.log[f"strain_{a}"][-1], rates[k] * duration, 1e-13)
+        report.check(f"{steps} steps: velocity over u_0 h_0 / h", abs(run.v[-1][0] / (velocity / stretch) - 1).max(), 0, 1e-13, "absolute")
+        way = velocity * numpy.expm1(2 * rates * duration) / (2 * rates)   # of x h_0 / h
+        for sign, x, found in zip((1, -1), start, run.x[-1]):
+            errors.append(abs(found - stretch * (x + sign * way)).max() / speed / duration)
+        momentum = abs(run.v[-1].sum(axis=0)).max() / speed
+        report.check(f"{steps} steps: momentum of both, over that of one", momentum, 0, 1e-14, "absolute")
+        work = run.log["cell_work"][-1] / (run.log["kinetic_translational"][-1] - run.log["kinetic_translational"][0])
+        report.check(f"{steps} steps: work of the cell over the gain of kinetic energy", work, 1, 4e-6 * (1000 / steps) ** 2)
+    report.check("error of the way, 1000 steps over 2000", errors[0] / errors[2], 4, 2e-2, note="second order")
+    report.at_most("error of the way, 2000 steps, of itself", errors[2], 1e-6)
+
+
+def gas(name, step, duration, cell, count=60, restitution=1.0, friction=0.0, k=1e4, seed=5):
+    """Balls that move in all directions; 0.3 of the cell is solid."""
+    radius = 0.004
+    width = (count * 4 / 3 * math.pi * radius**3 / 0.3) ** (1 / 3)
+    c = Case(name, duration=duration, step=step, margin=0, every=duration / 20, seed=seed,
+             domain={"min": [0, 0, 0], "max": [width] * 3, "periodic": ["x", "y", "z"]})
+    c.cell = cell
+    c.sphere("ball", radius)
+    c.material("m", 2500.0)
+    c.pair_all(stiffness=k, restitution=restitution, friction=friction)
+    random = numpy.random.default_rng(seed)
+    side = math.ceil(count ** (1 / 3))
+    for n in range(count):
+        at = numpy.array([n % side, n // side % side, n // side**2]) + 0.5 + 0.05 * random.uniform(-1, 1, 3)
+        c.body("ball", "m", at * width / side, velocity=0.3 * random.normal(size=3), angular_velocity=20 * random.normal(size=3))
+    return c, radius, width
+
+
+@case("Z3", "U", "a gas of balls is compressed: the work of the cell", "kinetic + elastic + dissipated - work stays the same; the error is of second order in the step")
+def z3(tools, report):
+    cell = {"strain_rate": {"x": 4.0, "y": 2.0, "z": 1.0}}
+    for words, more in (("elastic", {}), ("with friction and damping", {"restitution": 0.6, "friction": 0.4})):
+        errors = []
+        for step in (2e-5, 1e-5, 5e-6):
+            c, _, _ = gas(f"Z3-{words.split()[0]}-{step:g}", step, 0.05, cell, **more)
+            run = report.run(c.run(tools))
+            log = run.log
+            errors.append(abs(log["energy_error"]).max() / abs(log["cell_work"][-1]))
+        report.at_most(f"{words}: largest error of the balance over the work, step 5 us", errors[2], 2e-3)
+        # chaos: another step gives other collisions, so that the ratio is that of two samples
+        report.at_least(f"{words}: error of 20 us over that of 5 us", errors[0] / errors[2], 6)
+        report.at_least(f"{words}: work of the cell over the energy at the start", log["cell_work"][-1] / (log["kinetic_translational"][0] + log["kinetic_rotational"][0]), 0.1)
+
+
+@case("Z4", "U", "balls under an isotropic pressure", "stresses reach their targets; the energy balance closes; the momentum stays 0")
+def z4(tools, report):
+    stress = {"x": 2e3, "y": 2e3, "z": 2e3}
+    c, radius, _ = gas("Z4", None, 0.5, {"stress": stress, "stop_when": {"stress_error": 5e-3, "kinetic_ratio": 1e-3}}, count=200,
+                       restitution=0.3, friction=0.3)
+    c.tables["output"]["every"] = 2e-3
+    run = report.run(c.run(tools))
+    log = run.log
+    report.at_most("time at which it is still, over the whole", run.times[-1] / 0.5, 0.9)
+    for a in "xyz":
+        report.check(f"stress along {a} [Pa]", log[f"stress_{a}{a}"][-1], stress[a], 5e-3)
+    report.check("solid fraction", log["solid_fraction"][-1], 0.60, 0.05, note="friction 0.3, 200 balls: 0.58 to 0.62 (Agnolin and Roux 2007)")
+    # rounding of 1e4 steps
+    momentum = abs(run.v[-1].sum(axis=0)).max() / abs(run.v[0]).sum()
+    report.check("momentum, over the sum of sizes at the start", momentum, 0, 1e-13, "absolute")
+    balance = abs(log["energy_error"]).max() / abs(log["cell_work"][-1])
+    report.at_most("error of the balance over the work", balance, 5e-3)
+    rate = max(abs(numpy.diff(log[f"strain_{a}"]) / numpy.diff(log["time"])).max() for a in "xyz")
+    inertial = rate * 2 * radius * math.sqrt(2500.0 / 2e3)
+    report.at_most("largest inertial number on the way", inertial, 0.1)
