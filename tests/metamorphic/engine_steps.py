@@ -12,7 +12,7 @@ import scree  # noqa: E402
 
 scene, steps, seed = sys.argv[1], int(sys.argv[2]), sys.argv[3]
 random = random.Random(seed)
-frozen = scree.open_scene(scene).settings.get("heat", {}).get("frozen", False) if scree.open_scene(scene).has_heat else False
+held = "cell" in scree.open_scene(scene).settings or (scree.open_scene(scene).settings.get("heat", {}).get("frozen", False) if scree.open_scene(scene).has_heat else False)
 with scree.Engine(scene) as engine:
     while engine.steps < steps:
         window = min(steps - engine.steps, random.randint(1, max(1, steps // 3)))
@@ -20,7 +20,7 @@ with scree.Engine(scene) as engine:
             state = engine.save()
             bodies = engine.bodies
             free = bodies.id[bodies.fixed == 0]
-            if len(free) and not frozen:
+            if len(free) and not held:   # where forces are refused
                 chosen = random.sample(list(free), min(3, len(free)))
                 engine.set_wrench(chosen, [[0.1 * float(bodies.mass[0]), 0, 0]] * len(chosen))
             engine.step(min(window, 20))
