@@ -212,10 +212,10 @@ void paddles_section(CaseKeys& k, std::optional<WallForm>& form) {
   k.integer({"count", kRequired, "of the blades, spread evenly along the shaft"}, count, 1);
   k.number({"width", kRequired, "of a blade"}, paddles.width, Dimension::length, Range::positive);
   k.number({"thickness", kRequired, "of a blade"}, paddles.thickness, Dimension::length, Range::positive);
-  k.number({"angle", "45 deg", "of a blade to the axis: 0 pushes across, 90 deg cuts; right-handed screws have positive angles"}, paddles.angle,
-           Dimension::angle, Range::any);
-  k.number({"turn", "90 deg", "about the axis, from one blade to the next; the first points up, or along x on a vertical shaft"}, paddles.turn,
-           Dimension::angle, Range::any);
+  k.number({"angle", "45 deg", "of a blade to the axis: 0 pushes across, 90 deg cuts; right-handed screws have positive angles"},
+           paddles.angle, Dimension::angle, Range::any);
+  k.number({"turn", "90 deg", "about the axis, from one blade to the next; the first points up, or along x on a vertical shaft"},
+           paddles.turn, Dimension::angle, Range::any);
   const int segments = segments_key(k);
   const CaseTable* t = k.table();
   if (t == nullptr) return;
