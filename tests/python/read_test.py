@@ -50,6 +50,56 @@ class ReadTest(InFolder):
         first = run.frames[0].bodies
         self.assertEqual(sorted(set(first.temperature)), [293.15, 350])
 
+    def test_a_cell_that_deforms_is_that_of_the_frame(self):
+        self.assertIsNone(self.run_.frames[-1].cell)
+        text = """gravity = [0, 0, 0]
+[time]
+duration = "10 ms"
+[domain]
+min = [0, 0, 0]
+max = [0.1, 0.1, 0.1]
+periodic = ["x", "y", "z"]
+[cell]
+strain_rate = { x = 3, y = -2 }
+[contact]
+impact_speed = "1 m/s"
+[shapes.ball]
+sphere = { radius = "5 mm" }
+[materials.glass]
+density = 2500
+[[pairs]]
+between = ["glass", "glass"]
+stiffness = "50 kN/m"
+restitution = 0.5
+friction = 0.3
+[[bodies]]
+shape = "ball"
+material = "glass"
+position = [0.03, 0.05, 0.05]
+velocity = [0.2, 0, 0]
+[[bodies]]
+shape = "ball"
+material = "glass"
+position = [0.07, 0.02, 0.05]
+velocity = [-0.2, 0, 0]
+[output]
+every = "5 ms"
+"""
+        scene = scree.pack(scree.Case.from_text(text), self.path("cell.scene.h5"), progress=False)
+        frame = scree.solve(scene, threads=1, progress=False).frames[-1]
+        cell = frame.cell
+        lengths = 0.1 * np.exp(np.array([-3, 2, 0]) * frame.time)
+        self.assertLess(np.abs(cell.period / lengths - 1).max(), 1e-12)
+        self.assertLess(np.abs(cell.upper - cell.lower - lengths).max(), 1e-13)
+        self.assertAlmostEqual(cell.volume, lengths.prod(), delta=1e-12 * lengths.prod())
+        np.testing.assert_array_equal(cell.rate, [-3, 2, 0])
+        # nothing touches: the stress is that of the motion along x, two bodies whose velocity falls as the cell grows
+        along = frame.bodies.velocity[:, 0]
+        self.assertAlmostEqual(cell.stress[0, 0], (frame.bodies.mass * along**2).sum() / cell.volume, delta=1e-9 * cell.stress[0, 0])
+        self.assertAlmostEqual(cell.pressure, cell.stress[0, 0] / 3, delta=1e-12 * cell.pressure)
+        self.assertAlmostEqual(abs(along[0]), 0.2 * np.exp(3 * frame.time), delta=1e-9)
+        np.testing.assert_array_equal(frame.periodicity.period, cell.period)
+
     def test_frames_are_found_by_place_number_and_time(self):
         frames = self.run_.frames
         self.assertEqual(len(frames), 5)  # the last at the end of the step that reaches the duration
