@@ -12,8 +12,6 @@ namespace scree {
 
 namespace {
 
-/// As for walls that are refined by triangle_size: 0.3 GB of mesh.
-constexpr double kMostTriangles = 4e6;
 /// Height of one end of an axis over the other, over its length, that is none: rounding of the numbers of a case.
 constexpr double kLevel = 1e-9;
 
@@ -195,9 +193,9 @@ void screw_section(CaseKeys& k, std::optional<WallForm>& form) {
   if (const std::string fault = fault_of(screw); !fault.empty())
     throw t->error("thickness", fmt::format("{}: {} times {:g} m in a pitch of {:g} m", fault, screw.starts, screw.thickness, screw.pitch));
   const double triangles = 4.0 * segments * segments * length(end - start) / screw.pitch;
-  if (triangles > kMostTriangles)
-    throw t->error("segments", fmt::format("makes about {:.2g} triangles of this screw, above the limit of {:.2g}; give fewer", triangles,
-                                           kMostTriangles));
+  if (triangles > static_cast<double>(kMostTriangles))
+    throw t->error("segments",
+                   fmt::format("makes about {:.2g} triangles of this screw, above the limit of {}; give fewer", triangles, kMostTriangles));
   form = screw_form(start, end, screw, segments);
 }
 

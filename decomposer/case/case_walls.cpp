@@ -104,17 +104,16 @@ const char* mesh_form_of(const std::string& shape) {
 }
 
 void refine_form(const CaseTable& t, double size, WallForm& form) {
-  constexpr std::int64_t kMaxTriangles = 4'000'000;  // 0.3 GB of mesh; a load map of them is 2 GB on each rank
   double area = 0;
   const TriangleMesh& mesh = form.surface;
   for (std::int32_t i = 0; i < mesh.triangle_count(); ++i)
     area += 0.5 * length(cross(mesh.corner(i, 1) - mesh.corner(i, 0), mesh.corner(i, 2) - mesh.corner(i, 0)));
   // one with all its edges of this length is the largest triangle that there can be
   const double least = area / (0.25 * std::sqrt(3.0) * size * size);
-  if (least > static_cast<double>(kMaxTriangles))
+  if (least > static_cast<double>(kMostTriangles))
     throw t.error("triangle_size", fmt::format("makes {:.2g} triangles or more of this wall, above the limit of {}; give a larger size",
-                                               least, kMaxTriangles));
-  refine_mesh(form.surface, size, 16 * kMaxTriangles);
+                                               least, kMostTriangles));
+  refine_mesh(form.surface, size, 16 * kMostTriangles);
 }
 
 /// At most one of temperature, heat_flux and exchange.

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -22,6 +23,9 @@ struct WallForm {
 
 /// Corners of the polygon that stands for a circle lie on it: at 64 corners the area is 0.16 % less than the circle's.
 inline constexpr int kDefaultSegments = 64;
+
+/// Most triangles of a form: 0.3 GB of mesh; a load map of them is 2 GB on each rank.
+inline constexpr std::int64_t kMostTriangles = 4'000'000;
 
 /// A parallelogram with corners c, c + a, c + b, c + a + b [m].
 WallForm plate_form(const Vec3& corner, const Vec3& side_a, const Vec3& side_b);

@@ -52,13 +52,15 @@ Vec3 size_of(const std::string& text) {
   return {positive_length(parts[0], "--size"), positive_length(parts[1], "--size"), positive_length(parts[2], "--size")};
 }
 
-void check_triangle_count(double area, double edge_length) {
-  const double triangles = area / (0.433 * edge_length * edge_length);  // equilateral triangles
+void check_triangle_count(double triangles, double edge_length) {
   if (triangles > kMaxTriangles) {
     throw UsageError("--edge-length: {:.3g} m would make about {:.2g} triangles, more than {:g}; give a larger one", edge_length, triangles,
                      kMaxTriangles);
   }
 }
+
+/// Of a surface of equilateral triangles.
+void check_area(double area, double edge_length) { check_triangle_count(area / (0.433 * edge_length * edge_length), edge_length); }
 
 /// Steps around a circle for an edge length: a multiple of 4, at least 8.
 int sectors_for(double radius, double edge_length) {
@@ -76,7 +78,7 @@ TriangleMesh rounded_as_asked(const TriangleMesh& solid, const GenerateOptions& 
   const double radius = positive_length(options.rounding, "--rounding");
   const double edge_length =
       options.edge_length.empty() ? kEdgePerRounding * radius : positive_length(options.edge_length, "--edge-length");
-  check_triangle_count(4 * kPi * radius * radius, edge_length);
+  check_area(4 * kPi * radius * radius, edge_length);
   return rounded(solid, radius, edge_length);
 }
 
@@ -141,7 +143,7 @@ TriangleMesh make_screw(const GenerateOptions& options, double radius, double le
   }
   const int sectors = sectors_for(radius, edge_length);
   // a ring of corners for each of so many layers
-  check_triangle_count(0.433 * edge_length * edge_length * 4 * sectors * (sectors * length / screw.pitch + 1), edge_length);
+  check_triangle_count(4 * sectors * (sectors * length / screw.pitch + 1), edge_length);
   return screw_mesh(screw, length, sectors);
 }
 
@@ -158,7 +160,7 @@ TriangleMesh make_paddle_wheel(const GenerateOptions& options, double radius, do
   const double turn = options.twist.empty() ? 0 : parse_quantity(options.twist, Dimension::angle, "--twist");
   const int sectors = sectors_for(radius, edge_length);
   const double layers = std::max(1.0, std::ceil(sectors * std::abs(turn) / (2 * kPi)));
-  check_triangle_count(0.433 * edge_length * edge_length * 4 * (sectors + 4 * wheel.blades) * layers, edge_length);
+  check_triangle_count(4 * (sectors + 4 * wheel.blades) * layers, edge_length);
   return extruded(section_of(wheel, sectors), height, turn, static_cast<int>(layers));
 }
 
@@ -180,7 +182,7 @@ TriangleMesh generated_mesh(const GenerateOptions& options) {
   const auto height = [&] { return positive_length(options.height, "--height"); };
   const auto edge_length = [&](double usual, double area) {
     const double l = options.edge_length.empty() ? usual : positive_length(options.edge_length, "--edge-length");
-    check_triangle_count(area, l);
+    check_area(area, l);
     return l;
   };
   if (what == "sphere") {
