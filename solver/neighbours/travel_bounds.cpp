@@ -2,6 +2,22 @@
 
 namespace scree {
 
+namespace {
+
+constexpr double kRounding = 1 + 1e-9;  // far above that of the sums below
+
+/// Places go with a cell that deforms, and ways grow by what its stretch does to a branch.   in   begin, end   rows
+void carry_with_cell(const Cell& cell, double branch, std::size_t begin, std::size_t end, std::vector<Vec3>& x, std::vector<double>& way) {
+  if (!cell.deforms()) return;
+#pragma omp parallel for schedule(static)
+  for (std::size_t i = begin; i < end; ++i) {
+    x[i] = cell.carried(x[i]);
+    way[i] += kRounding * 0.5 * cell.largest_growth() * branch;
+  }
+}
+
+}  // namespace
+
 void TravelBounds::restart(const ParticleSet& p, double branch) {
   branch_ = branch;
   way_.assign(p.size(), 0.0);
@@ -10,25 +26,19 @@ void TravelBounds::restart(const ParticleSet& p, double branch) {
 }
 
 void TravelBounds::add_motion_of_owned(const ParticleSet& p) {
+  carry_with_cell(p.cell, branch_, 0, p.owned, x_, way_);
   for_each_awake_row(p, [&](std::size_t i) { add_motion(p, i); });
 }
 
 void TravelBounds::add_motion_of_ghosts(const ParticleSet& p) {
+  carry_with_cell(p.cell, branch_, p.owned, p.size(), x_, way_);
 #pragma omp parallel for schedule(static)
   for (std::size_t i = p.owned; i < p.size(); ++i) add_motion(p, i);
 }
 
 void TravelBounds::add_motion(const ParticleSet& p, std::size_t i) {
-  constexpr double kRounding = 1 + 1e-9;  // far above that of the sums below
-  const Periodicity& periodicity = p.cell.periodicity();
   Vec3 shift = p.x[i] - x_[i];
-  if (periodicity.any()) {
-    if (p.cell.deforms()) {
-      shift = p.x[i] - p.cell.carried(x_[i]);
-      way_[i] += kRounding * 0.5 * p.cell.largest_growth() * branch_;
-    }
-    shift = periodicity.nearest(shift);
-  }
+  if (const Periodicity& periodicity = p.cell.periodicity(); periodicity.any()) shift = periodicity.nearest(shift);
   x_[i] = p.x[i];
   if (p.ball_radius[i] > 0) {  // as it turns, its surface stays where it is
     way_[i] += kRounding * length(shift);
