@@ -7,7 +7,8 @@ namespace {
 constexpr double kRounding = 1 + 1e-9;  // far above that of the sums below
 
 /// Places go with a cell that deforms, and ways grow by what its stretch does to a branch.   in   begin, end   rows
-void carry_with_cell(const Cell& cell, double branch, std::size_t begin, std::size_t end, std::vector<Vec3>& x, std::vector<double>& way) {
+void carry_listed_places(const Cell& cell, double branch, std::size_t begin, std::size_t end, std::vector<Vec3>& x,
+                         std::vector<double>& way) {
   if (!cell.deforms()) return;
 #pragma omp parallel for schedule(static)
   for (std::size_t i = begin; i < end; ++i) {
@@ -26,12 +27,12 @@ void TravelBounds::restart(const ParticleSet& p, double branch) {
 }
 
 void TravelBounds::add_motion_of_owned(const ParticleSet& p) {
-  carry_with_cell(p.cell, branch_, 0, p.owned, x_, way_);
+  carry_listed_places(p.cell, branch_, 0, p.owned, x_, way_);
   for_each_awake_row(p, [&](std::size_t i) { add_motion(p, i); });
 }
 
 void TravelBounds::add_motion_of_ghosts(const ParticleSet& p) {
-  carry_with_cell(p.cell, branch_, p.owned, p.size(), x_, way_);
+  carry_listed_places(p.cell, branch_, p.owned, p.size(), x_, way_);
 #pragma omp parallel for schedule(static)
   for (std::size_t i = p.owned; i < p.size(); ++i) add_motion(p, i);
 }
