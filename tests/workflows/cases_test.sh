@@ -11,7 +11,7 @@ run() {
   local name=$1; shift
   "$runner" "$name" --out "$scratch/$name" --config size=small ranks=1 "$@" >"$scratch/log" 2>&1 || { cat "$scratch/log"; exit 1; }
 }
-holds() { grep -q "$2" "$scratch/$1" || { echo "'$2' is not in $1:"; cat "$scratch/$1"; exit 1; }; }
+holds() { grep -q -e "$2" "$scratch/$1" || { echo "'$2' is not in $1:"; cat "$scratch/$1"; exit 1; }; }
 there() { for file in "$@"; do [[ -s "$scratch/$file" ]] || { echo "$file is not there, or empty"; exit 1; }; done; }
 # of each case one run with a report, a picture and ParaView files
 page() { holds "$1.report.html" "</html>"; there "$1.png" "$1.run/paraview/$(basename "$1").pvd"; }
