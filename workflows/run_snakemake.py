@@ -22,6 +22,7 @@ import signal
 import socket
 import sys
 import termios
+import threading
 
 COLOURS = re.compile(r"\x1b\[[0-9;]*[A-Za-z]")
 TIME = re.compile(r"^\[\w{3} \w{3} +\d+ [\d:]{8} \d{4}\]")   # of Snakemake, which a step may write behind before the line ends
@@ -147,6 +148,33 @@ def copy(source, control, sink, last):
         finish()
 
 
+class WholeMessages:
+    """A stream that passes on what is written to it when a line ends. Snakemake writes a message and the end of its last line apart, and what a step
+    says would come between.
+    """
+
+    def __init__(self, stream):
+        self._stream, self._rest, self._lock = stream, "", threading.Lock()
+
+    def write(self, text):
+        with self._lock:
+            self._rest += text
+            if self._rest.endswith("\n"):
+                self._stream.write(self._rest)
+                self._stream.flush()
+                self._rest = ""
+        return len(text)
+
+    def close(self):
+        """At the end: what has no end of a line, too."""
+        self._stream.write(self._rest)
+        self._rest = ""
+        self._stream.flush()
+
+    def __getattr__(self, name):
+        return getattr(self._stream, name)
+
+
 def terminal_like(of):
     """Both ends of a terminal of the size of this one that changes nothing on the way."""
     reader, writer = pty.openpty()
@@ -178,6 +206,7 @@ def main():
     os.dup2(writer, captured)
     os.close(writer)
     code = 1
+    sys.stderr = errors = WholeMessages(sys.stderr)
     try:
         sys.argv = [snakemake, *words]
         runpy.run_path(snakemake, run_name="__main__")
@@ -189,7 +218,7 @@ def main():
     finally:
         with contextlib.suppress(OSError):
             sys.stdout.flush()
-            sys.stderr.flush()
+            errors.close()
         os.dup2(shown, captured)
         with contextlib.suppress(OSError):
             ours.settimeout(PATIENCE)

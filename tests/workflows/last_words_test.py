@@ -13,7 +13,7 @@ import time
 
 WORKFLOWS, BIN, SCRATCH = sys.argv[1:4]
 sys.path.insert(0, WORKFLOWS)
-from run_snakemake import LastErrors  # noqa: E402
+from run_snakemake import LastErrors, WholeMessages  # noqa: E402
 
 SNAKEFILE = """
 rule all:
@@ -100,6 +100,18 @@ queue = LastErrors(SCRATCH)
 for line in ("Error in rule pack:", "    jobid: 3", "    output: x", "", "Error executing rule pack on cluster (jobid: 3, external: 17, jobscript: x.sh)."):
     queue.line(line)
 assert queue.text() == "scree-decomposer: error: of the job", queue.text()
+
+# Snakemake writes a message and the end of its last line apart: a step that speaks between them has lines of its own
+read_end, write_end = os.pipe()
+with os.fdopen(write_end, "w") as sink:
+    lines = WholeMessages(sink)
+    lines.write("rule a:\n    resources: tmpdir=/tmp")
+    os.write(sink.fileno(), b"scree-mesher: error: of a\n")
+    lines.write("\n")
+    lines.write("the end")
+    lines.close()
+with os.fdopen(read_end) as source:
+    assert source.read() == "scree-mesher: error: of a\nrule a:\n    resources: tmpdir=/tmp\nthe end"
 
 # What a step says is there while it runs, and a step on a terminal sees one, of its size. The step has a trap since bash without one ignores
 # SIGINT when the program that it waits for ends by itself at that moment.

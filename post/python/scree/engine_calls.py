@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 import _signal  # its functions without the enums of `signal`, which take longer than a step of few bodies
-import ctypes
 import os
 import signal
 import threading
@@ -12,8 +11,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from .engine_arguments import address_of, vectors
-from .engine_library import ForceFunction, error_text, loaded_library, pass_on_warnings
+from .engine_arguments import vectors
+from .engine_library import ForceFunction, error_text, loaded_library, memory, pass_on_warnings
 from .engine_rows import EngineBodies, WithinStep
 from .errors import UsageError, error_of
 
@@ -63,8 +62,7 @@ def force_callback(function: Callable[[EngineBodies], Any], name: str, kept: Kep
 
     def fill(address: int, what: str, values: Any, count: int) -> None:
         if values is not None and count:
-            given = vectors(said[what], values, count)
-            ctypes.memmove(address, address_of(given), given.nbytes)  # all 0 before
+            memory(address, count, 3, float)[...] = vectors(said[what], values, count)  # all 0 before
 
     def call(_: Any, handle: int, count: int, force: int, torque: int) -> int:
         store = WithinStep(handle, count, names)

@@ -164,7 +164,23 @@ def error_text() -> str:
     return loaded_library().scree_error().decode("utf-8", "replace")
 
 
+def memory(address: int, rows: int, width: int, kind: type) -> np.ndarray:
+    """Numbers of the library where they are, for use within this call. Arrays of the places used last are kept: one is made in the time of a step."""
+    place = address, rows, width, kind
+    array = _memory.get(place)
+    if array is None:
+        if len(_memory) >= 64:
+            _memory.clear()
+        array = np.frombuffer((ctypes.c_char * (8 * rows * width)).from_address(address), dtype=kind)
+        array = _memory[place] = array if width == 1 else array.reshape(rows, width)
+    return array
+
+
+_memory: dict[tuple[int, int, int, type], np.ndarray] = {}
+
+
 def copied(address: int, rows: int, width: int, kind: type) -> np.ndarray:
     """Numbers of the library as an array that lasts; read-only."""
-    values = np.frombuffer(ctypes.string_at(address, 8 * rows * width), dtype=kind) if rows else np.zeros(0, dtype=kind)
-    return values if width == 1 else values.reshape(rows, width)
+    values = memory(address, rows, width, kind).copy() if rows else np.zeros(0 if width == 1 else (0, width), dtype=kind)
+    values.flags.writeable = False
+    return values
