@@ -73,6 +73,7 @@ class Checker {
         if (!(c.lower[i][k] < c.upper[i][k]) || !std::isfinite(c.upper[i][k] - c.lower[i][k]))
           throw wrong("the periodic cell", "corners that are none");
       }
+      if (!is_finite(c.shear[i])) throw wrong("the periodic cell", "a shear that is not a finite number");
     }
   }
 

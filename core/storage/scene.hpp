@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/json_record.hpp"
+#include "core/geometry/upper_matrix.hpp"
 #include "core/storage/body_orientation.hpp"
 #include "core/storage/bond.hpp"
 #include "core/storage/feed_rate.hpp"
@@ -241,16 +242,17 @@ struct Heat {
   bool has_gas() const { return gas_conductivity > 0; }
 };
 
-/// How a periodic cell deforms, axis by axis: at a given rate, or so that it has a given stress. Compression is positive. An axis that has
-/// neither keeps its length.
+/// How a periodic cell deforms, by its components (geometry/upper_matrix.hpp): at a given rate, or so that it has a given stress.
+/// Compression is positive, and of a shear what such a stress goes with: -L. A component that has neither stays.
 struct CellControl {
-  Vec3 strain_rate;               ///< [1/s]
-  Vec3 stress;                    ///< [Pa]; 0: none is asked for
-  double stop_strain = 0;         ///< of any axis that ends the run; 0: none
-  double stop_stress_error = 0;   ///< the same with stop_kinetic_ratio: of all axes with a stress, over the largest of them
+  UpperMatrix strain_rate;        ///< -L [1/s]
+  UpperMatrix stress;             ///< [Pa]; 0: none is asked for
+  double stop_strain = 0;         ///< of any component that ends the run; 0: none
+  double stop_stress_error = 0;   ///< the same with stop_kinetic_ratio: of all with a stress, over the largest of them
   double stop_kinetic_ratio = 0;  ///< kinetic energy over that of contacts
-  bool by_stress(int axis) const { return stress[axis] > 0; }
-  bool any_by_stress() const { return by_stress(0) || by_stress(1) || by_stress(2); }
+  bool by_stress(int component) const { return stress[component] != 0; }
+  bool any_by_stress() const { return !(stress.diagonal == Vec3{} && stress.above == Vec3{}); }
+  bool shears() const { return !(strain_rate.above == Vec3{} && stress.above == Vec3{}); }
 };
 
 /// Settings, as the case file gives them; SI.

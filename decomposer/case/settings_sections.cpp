@@ -87,13 +87,17 @@ void contact_section(CaseKeys& k, Case& c) {
 /// Returns where it is, for what it does not go with, which is known later.
 std::string cell_section(CaseKeys& k, CellControl& cell) {
   k.section({"strain_rate", "none"}, [&](CaseKeys& below) { strain_rate_keys(below, cell); });
-  const Vec3 rate = cell.strain_rate;
+  const UpperMatrix rate = cell.strain_rate;
   k.section({"stress", "none"}, [&](CaseKeys& below) {
     stress_keys(below, cell);
-    for (int axis = 0; below.table() != nullptr && axis < 3; ++axis) {
-      const char name[2] = {"xyz"[axis], 0};
-      if (cell.by_stress(axis) && rate[axis] != 0)
-        throw below.table()->error(name, "has a strain_rate as well; an axis follows one of both");
+    constexpr const char* kNames[6] = {"x", "y", "z", "yz", "xz", "xy"};
+    for (int c = 0; below.table() != nullptr && c < 6; ++c) {
+      const char* name = kNames[c];
+      if (cell.by_stress(c) && rate[c] != 0) throw below.table()->error(name, "has a strain_rate as well; an axis follows one of both");
+      if (c >= 3 && below.table()->has(name) && !cell.by_stress(c))
+        throw below.table()->error(name,
+                                   "0 as the target of a shear stress is not supported; give one that is not 0, or leave it out: "
+                                   "a shear that has none stays as it is");
     }
   });
   k.section({"stop_when", "the run ends at `time.duration`"}, [&](CaseKeys& below) {

@@ -15,7 +15,8 @@ std::int32_t BodyRows::operator()(std::int64_t id) const {
 }
 
 Periodicity periodicity_of(const Scene& scene, const Frame& frame) {
-  if (frame.cell.size() > 0) return Periodicity(frame.cell.lower[0], frame.cell.upper[0], {true, true, true});
+  if (frame.cell.size() > 0)
+    return Periodicity::at_corner(frame.cell.lower[0], frame.cell.upper[0] - frame.cell.lower[0], frame.cell.shear[0]);
   const Domain& domain = scene.settings.domain;
   return domain.bounded ? Periodicity(domain.lower, domain.upper, domain.periodic) : Periodicity();
 }

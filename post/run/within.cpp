@@ -146,11 +146,11 @@ std::vector<std::uint8_t> Within::rows(const Run& run, const Frame& frame) const
   const auto any_image = [&](const Vec3& x, const auto& is_held) {
     if (is_held(x)) return true;
     if (!period.any()) return false;
-    const Vec3 p = period.period();
+    const Periodicity near = period.with_least_shear();
     for (int x_step = -1; x_step <= 1; ++x_step) {
       for (int y_step = -1; y_step <= 1; ++y_step) {
         for (int z_step = -1; z_step <= 1; ++z_step) {
-          if (is_held(x + Vec3{x_step * p.x, y_step * p.y, z_step * p.z})) return true;
+          if (is_held(x + near.shift({1.0 * x_step, 1.0 * y_step, 1.0 * z_step}))) return true;
         }
       }
     }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/periodic.hpp"
@@ -47,6 +48,7 @@ struct SceneFacts {
   void for_each_image(const Region& region, const Visit& visit) const {
     int first[3] = {0, 0, 0}, last[3] = {0, 0, 0};
     const Box3 box = region.bounds();
+    if (period.is_sheared()) return for_each_image_in_sheared(box, visit);
     for (int k = 0; k < 3; ++k) {
       if (!period.is_periodic(k)) continue;
       // one more on each side: a branch may reach half a period out of the cell
@@ -56,6 +58,22 @@ struct SceneFacts {
     for (int x = first[0]; x <= last[0]; ++x) {
       for (int y = first[1]; y <= last[1]; ++y) {
         for (int z = first[2]; z <= last[2]; ++z) visit(Vec3{x * period.period().x, y * period.period().y, z * period.period().z});
+      }
+    }
+  }
+  /// The same of a cell that is sheared: which images along one axis meet a region depends on those along the later ones.
+  template <class Visit>
+  void for_each_image_in_sheared(const Box3& box, const Visit& visit) const {
+    const auto range = [&](int k, const Vec3& shift) {
+      const double from = cell_lower[k] + shift[k], length = period.period()[k];
+      return std::pair{std::floor((box.lower[k] - from) / length) - 1, std::floor((box.upper[k] - from) / length) + 1};
+    };
+    const auto [first_z, last_z] = range(2, {});
+    for (double z = first_z; z <= last_z; ++z) {
+      const auto [first_y, last_y] = range(1, period.shift({0, 0, z}));
+      for (double y = first_y; y <= last_y; ++y) {
+        const auto [first_x, last_x] = range(0, period.shift({0, y, z}));
+        for (double x = first_x; x <= last_x; ++x) visit(period.shift({x, y, z}));
       }
     }
   }

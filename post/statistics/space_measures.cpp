@@ -129,8 +129,9 @@ std::vector<double> pair_correlation(const FrameView& view, std::size_t shells, 
   Box3 box;
   for (int k = 0; k < 3; ++k) {
     if (view.facts.period.is_periodic(k)) {
-      box.lower[k] = domain.lower[k];
-      box.upper[k] = domain.upper[k];
+      const bool deforms = view.frame.cell.size() > 0;
+      box.lower[k] = deforms ? view.frame.cell.lower[0][k] : domain.lower[k];
+      box.upper[k] = deforms ? view.frame.cell.upper[0][k] : domain.upper[k];
       continue;
     }
     std::vector<double> places;
@@ -159,6 +160,9 @@ std::vector<double> pair_correlation(const FrameView& view, std::size_t shells, 
   // cells no smaller than the reach, points sorted by cell
   int cells[3];
   for (int k = 0; k < 3; ++k) cells[k] = std::clamp(static_cast<int>(extent[k] / reach), 1, 512);
+  // images across y and z of a cell that is sheared lie elsewhere along x, and across z along y
+  if (view.facts.period.is_sheared()) cells[0] = 1;
+  if (view.facts.period.shear().x != 0) cells[1] = 1;
   const auto cell_of = [&](const Vec3& p, int k) {
     return std::clamp(static_cast<int>((p[k] - box.lower[k]) / extent[k] * cells[k]), 0, cells[k] - 1);
   };

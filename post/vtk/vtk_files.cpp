@@ -313,4 +313,25 @@ void write_network_vtp(const std::string& path, const Frame& frame, const Period
   write(path, data);
 }
 
+void write_cell_vtp(const std::string& path, const Periodicity& cell) {
+  const Periodicity least = cell.with_least_shear();
+  std::vector<Vec3> corners;  // bit k of its number: beyond the side along axis k
+  std::vector<std::size_t> ends;
+  for (std::size_t c = 0; c < 8; ++c) {
+    corners.push_back(least.lower() + least.shift({c & 1 ? 1.0 : 0.0, c & 2 ? 1.0 : 0.0, c & 4 ? 1.0 : 0.0}));
+    for (const std::size_t axis : {1U, 2U, 4U}) {
+      if ((c & axis) == 0) ends.insert(ends.end(), {c, c | axis});
+    }
+  }
+  vtkNew<vtkPoints> points;
+  points->SetData(array_of<vtkFloatArray>("Points", corners.size(), 3, [&](std::size_t i, int c) { return corners[i][c]; }));
+  vtkNew<vtkCellArray> cells;
+  cells->SetData(array_of<vtkTypeInt32Array>("offsets", ends.size() / 2 + 1, 1, [](std::size_t i, int) { return 2 * i; }),
+                 array_of<vtkTypeInt32Array>("connectivity", ends.size(), 1, [&](std::size_t i, int) { return ends[i]; }));
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(points);
+  data->SetLines(cells);
+  write(path, data);
+}
+
 }  // namespace scree

@@ -43,4 +43,8 @@ void write_bonds_vtp(const std::string& path, const Frame& frame, const Scene& s
 /// short way through a periodic side
 void write_network_vtp(const std::string& path, const Frame& frame, const Periodicity& period);
 
+/// The twelve edges of the periodic cell of a frame [m]: of all cells with its images the one that is sheared least, its lowest corner that
+/// of the box that bodies lie in.
+void write_cell_vtp(const std::string& path, const Periodicity& cell);
+
 }  // namespace scree

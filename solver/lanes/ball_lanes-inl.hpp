@@ -47,15 +47,29 @@ HWY_INLINE Lane3 nearest(const Vec3& period, const Lane3& d) {
   return {nearest(period.x, d.x), nearest(period.y, d.y), nearest(period.z, d.z)};
 }
 
+HWY_INLINE Lane rounded(Lane x) { return {hn::Round(x.v)}; }
+/// The same of a cell that is sheared, Periodicity::nearest_in_sheared.
+HWY_INLINE Lane3 nearest_in_sheared(const Periodicity& periodicity, const Lane3& d) {
+  const Vec3 &period = periodicity.period(), &shear = periodicity.shear();
+  const Lane zero(0.0), one(1.0), px(period.x), py(period.y), pz(period.z), yz(shear.x), xz(shear.y), xy(shear.z);
+  const Lane nz = select(d.z > Lane(0.5 * period.z), one, select(d.z < Lane(-0.5 * period.z), -one, zero));
+  const Lane ny = rounded((d.y - nz * yz) / py);
+  const Lane nx = rounded((d.x - (nz * xz + ny * xy)) / px);
+  return d - Lane3{nz * xz + ny * xy + nx * px, nz * yz + ny * py, nz * pz};
+}
+
 /// The nearest image of B.
 HWY_INLINE Lane3 image_of(const Periodicity& periodicity, const Lane3& xa, const Lane3& xb) {
-  return periodicity.any() ? xa + nearest(periodicity.period(), xb - xa) : xb;
+  if (!periodicity.any()) return xb;
+  if (periodicity.is_sheared()) return xa + nearest_in_sheared(periodicity, xb - xa);
+  return xa + nearest(periodicity.period(), xb - xa);
 }
 
 /// How fast B moves with a cell that deforms, against A: Cell::velocity_along() in a step.
 HWY_INLINE Lane3 velocity_along(const Cell& cell, const Lane3& branch) {
-  const Vec3& rate = cell.rate_of_step();
-  return {Lane(rate.x) * branch.x, Lane(rate.y) * branch.y, Lane(rate.z) * branch.z};
+  const Vec3 &of = cell.rate_of_step().diagonal, &above = cell.rate_of_step().above;
+  return {Lane(of.x) * branch.x + Lane(above.z) * branch.y + Lane(above.y) * branch.z, Lane(of.y) * branch.y + Lane(above.x) * branch.z,
+          Lane(of.z) * branch.z};
 }
 
 /// Rows of the particle set, one in each lane.

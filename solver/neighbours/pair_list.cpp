@@ -8,6 +8,7 @@
 #include "solver/contact/ball_contact.hpp"
 #include "solver/laws/ball.hpp"
 #include "solver/neighbours/prefetch.hpp"
+#include "solver/neighbours/sheared_images.hpp"
 
 namespace scree {
 
@@ -75,7 +76,9 @@ std::vector<NearPair> find_near_pairs(const SolverScene& scene, const ParticleSe
                                       double skin, MultilevelGrid& grid, PhaseTimes& times) {
   std::vector<double> reach(p.size());
   for (std::size_t i = 0; i < p.size(); ++i) reach[i] = p.radius[i] + range + 0.5 * skin;
-  grid.build(p.x, reach, p.cell.periodicity().period());
+  const Periodicity& cell = p.cell.periodicity();
+  grid.build(p.x, reach, cell.is_sheared() ? Vec3{cell.period().x, 0, 0} : cell.period());
+  const double farthest = cell.is_sheared() && !reach.empty() ? *std::max_element(reach.begin(), reach.end()) : 0;
   const auto count = static_cast<std::int32_t>(p.size());
   std::vector<std::vector<NearPair>> of_thread(static_cast<std::size_t>(omp_get_max_threads()));
 #pragma omp parallel
@@ -85,14 +88,16 @@ std::vector<NearPair> find_near_pairs(const SolverScene& scene, const ParticleSe
     for (std::int32_t place = 0; place < count; ++place) {
       const std::int32_t i = grid.order()[static_cast<std::size_t>(place)];
       const auto row = static_cast<std::size_t>(i);
-      grid.for_each_partner_at(place, [&](std::int32_t j) {
+      const auto keep = [&](std::int32_t j) {
         const auto other = static_cast<std::size_t>(j);
         if (row >= p.owned && other >= p.owned) return;
         if (p.fixed[row] && p.fixed[other]) return;
         const bool in_order = p.id[row] < p.id[other];
         const std::int32_t a = in_order ? i : j, b = in_order ? j : i;
         mine.push_back({{p.id[static_cast<std::size_t>(a)], p.id[static_cast<std::size_t>(b)], -1}, a, b});
-      });
+      };
+      grid.for_each_partner_at(place, keep);
+      if (cell.is_sheared()) for_each_across_sheared(grid, cell, p.x[row], reach[row], farthest, keep);
       if (row >= p.owned || (p.fixed[row] && !scene.has_answering_walls())) continue;
       for (std::size_t z = 0; z < scene.zones().size(); ++z) {
         const WallZone& zone = scene.zones()[z];

@@ -13,7 +13,7 @@ void carry_listed_places(const Cell& cell, double branch, std::size_t begin, std
 #pragma omp parallel for schedule(static)
   for (std::size_t i = begin; i < end; ++i) {
     x[i] = cell.carried(x[i]);
-    way[i] += kRounding * 0.5 * cell.largest_growth() * branch;
+    way[i] += kRounding * 0.5 * cell.growth().largest_stretch() * branch;
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <unordered_map>
 
 namespace scree {
@@ -15,7 +16,28 @@ double gap_along(double lower_a, double upper_a, double lower_b, double upper_b,
   return std::max({0.0, lower_a + shift - upper_b, lower_b - upper_a - shift});
 }
 
-double squared_gap(const Vec3& lower_a, const Vec3& upper_a, const Box3& b, const Vec3& period) {
+/// The same of boxes in a cell that is sheared: along x as above, of all images across y and z that may be the nearest. Boxes lie in the
+/// box of the three lengths, or reach a quarter of a length out of it.
+double squared_gap_in_sheared(const Vec3& lower_a, const Vec3& upper_a, const Box3& b, const Periodicity& cell) {
+  const Vec3& period = cell.period();
+  const double back = -std::round(cell.shear().x / period.y);
+  double least = std::numeric_limits<double>::infinity();
+  for (int z = -1; z <= 1; ++z) {
+    const double gap_z = std::max({0.0, lower_a.z + z * period.z - b.upper.z, b.lower.z - upper_a.z - z * period.z});
+    if (gap_z * gap_z >= least) continue;
+    for (int y = -2; y <= 2; ++y) {
+      const Vec3 shift = cell.shift({0, z * back + y, static_cast<double>(z)});
+      const double gap_y = std::max({0.0, lower_a.y + shift.y - b.upper.y, b.lower.y - upper_a.y - shift.y});
+      const double gap_x = gap_along(lower_a.x + shift.x, upper_a.x + shift.x, b.lower.x, b.upper.x, period.x);
+      least = std::min(least, gap_x * gap_x + gap_y * gap_y + gap_z * gap_z);
+    }
+  }
+  return least;
+}
+
+double squared_gap(const Vec3& lower_a, const Vec3& upper_a, const Box3& b, const Periodicity& cell) {
+  if (cell.is_sheared()) return squared_gap_in_sheared(lower_a, upper_a, b, cell);
+  const Vec3& period = cell.period();
   double squared = 0;
   for (int k = 0; k < 3; ++k) {
     const double gap = gap_along(lower_a[k], upper_a[k], b.lower[k], b.upper[k], period[k]);
@@ -26,10 +48,10 @@ double squared_gap(const Vec3& lower_a, const Vec3& upper_a, const Box3& b, cons
 
 /// Whether the boxes of two ranks touch. Both ranks ask, and one that waited for the other in vain would wait indefinitely: the box
 /// of the lower rank comes first on either side, so that both round alike.
-bool are_neighbours(int rank_a, const Box3& a, int rank_b, const Box3& b, const Vec3& period) {
+bool are_neighbours(int rank_a, const Box3& a, int rank_b, const Box3& b, const Periodicity& cell) {
   if (a.is_empty() || b.is_empty()) return false;
   const Box3 &low = rank_a < rank_b ? a : b, &high = rank_a < rank_b ? b : a;
-  return squared_gap(low.lower, low.upper, high, period) <= 0;
+  return squared_gap(low.lower, low.upper, high, cell) <= 0;
 }
 
 }  // namespace
@@ -166,7 +188,7 @@ void Halo::make_ghosts(const SolverScene& scene, ParticleSet& p, double largest_
   neighbours_.clear();
   if (comm_.size() == 1) return;
 
-  const Vec3& period = p.cell.periodicity().period();
+  const Periodicity& cell = p.cell.periodicity();
   // the box of everything that this rank owns, bounding spheres and their share of margin, reach and skin included
   const double own_reach = scene.contact_range() + 0.5 * skin;
   Box3 box;
@@ -184,13 +206,13 @@ void Halo::make_ghosts(const SolverScene& scene, ParticleSet& p, double largest_
   std::vector<std::vector<std::int32_t>> rows;
   for (std::size_t n = 0; n < possible.size(); ++n) {
     const Box3& theirs = boxes[n][0];
-    if (!are_neighbours(comm_.rank(), box, possible[n], theirs, period)) continue;
+    if (!are_neighbours(comm_.rank(), box, possible[n], theirs, cell)) continue;
     ranks.push_back(possible[n]);
     auto& records = outgoing.emplace_back();
     auto& own_rows = rows.emplace_back();
     for (std::size_t i = 0; i < p.owned; ++i) {
       const double reach = p.radius[i] + own_reach;
-      if (options_.selection == HaloSelection::selected && squared_gap(p.x[i], p.x[i], theirs, period) >= reach * reach) continue;
+      if (options_.selection == HaloSelection::selected && squared_gap(p.x[i], p.x[i], theirs, cell) >= reach * reach) continue;
       records.push_back(record_of(p, i));
       own_rows.push_back(static_cast<std::int32_t>(i));
     }

@@ -34,20 +34,19 @@ bool can_agree_ahead(const RunState& s) {
 /// What a cell that has deformed since the lists were made takes of their skin [m]. Two bodies that were too far apart to be listed, by
 /// the skin beyond their reach, are nearer by that, whatever they have moved beside the cell; for the ways of those that are listed it
 /// counts also where the cell grows.
-double skin_of_cell(const RunState& s, const Vec3& listed, double skin) {
+double skin_of_cell(const RunState& s, const UpperMatrix& listed, double skin) {
   const Cell& cell = s.particles.cell;
   if (!cell.deforms()) return 0;
-  Vec3 stretch;
-  for (int k = 0; k < 3; ++k) {
-    if (listed[k] > 0) stretch[k] = cell.periodicity().period()[k] / listed[k] - 1;
-  }
-  return Cell::largest_of(stretch) * longest_branch(s.facts.largest_radius, s.scene.contact_range(), skin);
+  if (!(listed.diagonal.x > 0)) return 0;
+  UpperMatrix stretch = cell.edges() * inverse(listed);
+  for (int k = 0; k < 3; ++k) stretch[k] = cell.edges()[k] / listed[k] - 1;
+  return stretch.largest_stretch() * longest_branch(s.facts.largest_radius, s.scene.contact_range(), skin);
 }
 
 /// How fast bodies that touch go towards each other with their cell, at most, each by half of it [m/s].
 double speed_of_cell(const RunState& s) {
   const Cell& cell = s.particles.cell;
-  return cell.deforms() ? Cell::largest_of(cell.rate_of_step()) * (s.facts.largest_radius + s.scene.contact_range()) : 0;
+  return cell.deforms() ? cell.rate_of_step().largest_stretch() * (s.facts.largest_radius + s.scene.contact_range()) : 0;
 }
 
 }  // namespace
@@ -71,7 +70,7 @@ bool NeighbourLists::may_agree_ahead(const RunState& s, bool rebuilt) const {
 
 StepReport NeighbourLists::look(const RunState& s, bool rebuilt) {
   const ParticleSet& p = s.particles;
-  const double skin = rebuilt ? skin_for(s, fastest_) : skin_, of_cell = rebuilt ? 0 : skin_of_cell(s, period_listed_, skin);
+  const double skin = rebuilt ? skin_for(s, fastest_) : skin_, of_cell = rebuilt ? 0 : skin_of_cell(s, edges_listed_, skin);
   const double limit = std::max(0.0, 0.5 * (kShareOfSkin * skin - of_cell)), dt = s.clock.dt;
   const bool ahead = can_agree_ahead(s);
   bool beyond = !rebuilt && (walls_moved(s, walls_listed_, s.walls) > limit || of_cell > 0.5 * skin), soon = beyond;
@@ -126,7 +125,7 @@ void NeighbourLists::rebuild(RunState& s, Balance& balance) {
     s.pairs.rebuild(s.scene, s.particles, s.walls, skin_, s.times);
     std::copy(s.particles.x.begin(), s.particles.x.end(), s.particles.x_listed.begin());
     walls_listed_ = s.walls;
-    period_listed_ = s.particles.cell.periodicity().period();
+    edges_listed_ = s.particles.cell.edges();
     ++rebuilds_;
   }
   search -= sort - sorted;

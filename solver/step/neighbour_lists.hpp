@@ -42,7 +42,7 @@ class NeighbourLists {
 
   double skin_ = 0, fastest_ = 0;
   std::vector<WallState> walls_listed_;
-  Vec3 period_listed_;  // of the cell [m]
+  UpperMatrix edges_listed_;  // of the cell [m]
   bool overrun_ = false, rebuild_asked_ = false, forget_asked_ = false;
   std::int64_t rebuilds_ = 0;
 };

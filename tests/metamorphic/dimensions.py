@@ -76,7 +76,8 @@ DIMENSIONS = {
     "walls.*.shape.plane.point": (1, 0, 0),
     "walls.*.shape.plate.corner": (1, 0, 0), "walls.*.shape.plate.side_a": (1, 0, 0), "walls.*.shape.plate.side_b": (1, 0, 0),
     "walls.*.shape.sphere_inside.centre": (1, 0, 0), "walls.*.shape.sphere_inside.radius": (1, 0, 0),
-    **{f"cell.strain_rate.{axis}": (0, 0, -1) for axis in "xyz"}, **{f"cell.stress.{axis}": (-1, 1, -2) for axis in "xyz"},
+    **{f"cell.strain_rate.{part}": (0, 0, -1) for part in ("x", "y", "z", "yz", "xz", "xy")},
+    **{f"cell.stress.{part}": (-1, 1, -2) for part in ("x", "y", "z", "yz", "xz", "xy")},
     "output.every": (0, 0, 1), "output.checkpoint": (0, 0, 1),
     # temperatures keep their unit
     "materials.*.heat_capacity": (2, 0, -2), "materials.*.conductivity": (1, 1, -3), "materials.*.real_young": (-1, 1, -2),

@@ -1642,6 +1642,13 @@ def cell(d):
             rates[axis] = own.uniform(-0.1, 0.1) / d.duration
         if kind == "stress":
             stresses[axis] = d.stiffness / d.radius * 10 ** own.uniform(-6, -3)
+    shears = random_numbers.Random(f"shears {d.case.note}")     # of numbers of their own: other scenes stay as they are
+    for part in ("yz", "xz", "xy"):
+        kind = shears.choice(["strain_rate", "stress", "none", "none", "none"])
+        if kind == "strain_rate":
+            rates[part] = shears.choice([0.2, 1.5]) * shears.uniform(-1, 1) / d.duration
+        if kind == "stress":
+            stresses[part] = shears.choice([-1, 1]) * d.stiffness / d.radius * 10 ** shears.uniform(-7, -4)
     if rates:
         table["strain_rate"] = rates
     if stresses:

@@ -144,7 +144,7 @@ def placed(case, how):
             words["domain"]["periodic"] = [how.axis(name) for name in words["domain"]["periodic"]]
     for key in ("strain_rate", "stress"):
         if key in words.get("cell", {}):
-            words["cell"][key] = {how.axis(name): value for name, value in words["cell"][key].items()}
+            words["cell"][key] = placed_cell(words["cell"][key], how)
     if "velocity" in words.get("fluid", {}):
         words["fluid"]["velocity"] = how.vector(words["fluid"]["velocity"])
     for body in words.get("bodies", []):
@@ -158,6 +158,21 @@ def placed(case, how):
     for wall in words.get("walls", []):
         place_wall(wall, how)
     return result
+
+
+def placed_cell(part, how):
+    """Of each component; a shear changes its sign with one of its axes. Only upper triangular cells can be written."""
+    found = {}
+    for name, value in part.items():
+        if len(name) == 1:
+            found[how.axis(name)] = value
+            continue
+        to = how.axis(name[0]) + how.axis(name[1])
+        if to not in ("yz", "xz", "xy"):
+            raise NotApplicable("a shear of the cell would be below the diagonal")
+        turned = [how.matrix["xyz".index(new), "xyz".index(old)] for new, old in zip(to, name)]
+        found[to] = value * float(turned[0] * turned[1])
+    return found
 
 
 def mirrored_mesh(mesh):

@@ -108,6 +108,55 @@ def the_same_bits_of_rocks_on_any_ranks_and_after_a_restart():
                             cell='strain_rate = { x = 8, y = 8, z = 8 }'))
 
 
+SHEARS = 'strain_rate = { xy = 40, xz = -30, yz = 25, y = 3 }\nstress = { z = "4 kPa" }'
+
+
+def the_same_bits_of_a_sheared_cell_on_any_ranks_and_threads_and_after_a_restart():
+    """Through more than a period of each shear."""
+    the_same("sheared", words(cell=SHEARS))
+    shear = [column("sheared1t1.run", f"cell_{part}")[-1] / column("sheared1t1.run", f"cell_{axis}")[-1] for part, axis in (("xy", "x"), ("xz", "x"), ("yz", "y"))]
+    assert min(abs(s) for s in shear) > 0.75, shear
+
+
+def the_same_bits_of_rocks_in_a_sheared_cell():
+    make_rock()
+    the_same("sheared-rocks", words(shapes="{ ball = 1, rock = 2 }", duration=0.016, checkpoint=0.008, every=0.004,
+                                    cell='strain_rate = { x = 8, y = 8, z = 8, xy = 60, yz = -50 }\nstress = { xz = "-500 Pa" }'))
+
+
+def lists_and_ghosts_of_a_sheared_cell_never_change_a_result():
+    pack("quick-shear", words(cell="strain_rate = { x = 4, xy = -120, yz = 90 }", duration=0.02, every=0.002, checkpoint=0.02))
+    run(1, "quick-shear.scene.h5", "-o", "shear-one.run")
+    run(3, "quick-shear.scene.h5", "-o", "shear-three.run")
+    assert physics_of_log("shear-one.run") == physics_of_log("shear-three.run")
+    error = abs(column("shear-one.run", "energy_error")).max() / abs(column("shear-one.run", "cell_work")).max()
+    assert error < 0.02, error      # a contact that is missed and found deep brings far more
+
+
+def post_and_python_read_a_sheared_cell():
+    pack("read-shear", words(cell=SHEARS, duration=0.02, every=0.005))
+    run(1, "read-shear.scene.h5", "-o", "read-shear.run")
+    sys.path.insert(0, os.path.join(HERE, "..", "..", "post", "python"))
+    import scree
+    frame = scree.open("read-shear.run").frames[-1]
+    cell, log = frame.cell, scree.open("read-shear.run").log
+    assert [cell.shear[k] for k in range(3)] == [log[f"cell_{part}"][-1] for part in ("yz", "xz", "xy")]
+    assert (abs(cell.edges[1:, 0]) <= 0.5001 * cell.period[0]).all() and abs(cell.edges[2, 1]) <= 0.5001 * cell.period[1], cell.edges
+    # centres of two bodies that touch are as far apart as their radii say, by the image that Python takes
+    x, rows = frame.bodies.position, {int(n): k for k, n in enumerate(frame.bodies.id)}
+    c = frame.contacts
+    across = 0
+    for k in range(len(c)):
+        d = x[rows[int(c.body_a[k])]] - x[rows[int(c.body_b[k])]]
+        near = frame.periodicity.nearest(d[None])[0]
+        across += abs(near - d).max() > 0.01
+        assert abs(numpy.linalg.norm(near) - (0.01 - c.depth[k])) < 1e-12, (near, c.depth[k])
+    assert across > 3, across
+    subprocess.run([os.path.join(BIN, "scree-post"), "report", "read-shear.run", "-o", "read-shear.html"], env=ENV, check=True, capture_output=True)
+    with open("read-shear.html") as file:
+        assert "shear xy" in file.read()
+
+
 def lists_and_ghosts_never_change_a_result():
     """A cell that moves fast and far: lists that held too long would miss contacts, and their number would change the bits."""
     text = words(cell="strain_rate = { x = 20, y = 20, z = -35 }", duration=0.02, every=0.002, checkpoint=0.02)
@@ -223,6 +272,9 @@ def mistakes_are_told_with_their_line():
         ("unit", base.replace('"4 kPa"', '"4 kN"'), ["a force", "a pressure"]),
         ("target", base.replace('stress = { z = "4 kPa" }', "stop_when = { stress_error = 0.1 }"), ["stress_error", "no axis has a target"]),
         ("negative", base.replace('"4 kPa"', '"-4 kPa"'), ["stress.z", "> 0"]),
+        ("both-shears", base.replace("x = 6, y = 4 }", "xy = 6 }").replace("z = ", "xy = "), ["stress.xy", "strain_rate as well"]),
+        ("zero-shear", base.replace('{ z = "4 kPa" }', '{ z = "4 kPa", xz = 0 }'), ["stress.xz", "0 as the target"]),
+        ("unknown-shear", base.replace("x = 6, y = 4 }", "yx = 6 }"), ["yx"]),
         ("unknown", base.replace("strain_rate", "strain_rat"), ["strain_rat", "strain_rate"]),
     ]
     for name, text, expected in wrong:
@@ -235,7 +287,8 @@ def mistakes_are_told_with_their_line():
 
 
 if __name__ == "__main__":
-    main([the_same_bits_on_any_ranks_and_threads_and_after_a_restart, the_same_bits_of_rocks_on_any_ranks_and_after_a_restart,
+    main([the_same_bits_of_a_sheared_cell_on_any_ranks_and_threads_and_after_a_restart, the_same_bits_of_rocks_in_a_sheared_cell,
+          lists_and_ghosts_of_a_sheared_cell_never_change_a_result, post_and_python_read_a_sheared_cell, the_same_bits_on_any_ranks_and_threads_and_after_a_restart, the_same_bits_of_rocks_on_any_ranks_and_after_a_restart,
           lists_and_ghosts_never_change_a_result, the_momentum_is_taken_and_stays_zero, a_run_ends_at_what_was_asked_for,
           a_cell_that_becomes_too_thin_ends_the_run, python_and_post_read_the_cell, the_plan_says_what_each_axis_does,
           mistakes_are_told_with_their_line])

@@ -145,3 +145,98 @@ def z4(tools, report):
     rate = max(abs(numpy.diff(log[f"strain_{a}"]) / numpy.diff(log["time"])).max() for a in "xyz")
     inertial = rate * 2 * radius * math.sqrt(2500.0 / 2e3)
     report.at_most("largest inertial number on the way", inertial, 0.1)
+
+
+@case("Z5", "U", "two free balls while their cell is sheared by 100 periods", "straight lines: x = x_0 + v t of any image, v = u_0 + L x_0; u = v - L x")
+def z5(tools, report):
+    rate, length, speed = 40.0, 0.4, numpy.array([0.05, 0.31, 0.0])
+    step = 2e-5
+    duration = 100 / rate
+    c = Case("Z5", duration=duration, step=step, margin=0, every=duration, domain={"min": [-length / 2] * 3, "max": [length / 2] * 3, "periodic": ["x", "y", "z"]})
+    c.cell = {"strain_rate": {"xy": -rate}}         # the upper side moves along x
+    c.sphere("ball", 0.005)
+    c.material("m", 2500.0)
+    c.pair_all(stiffness=50.0, restitution=1.0, friction=0.0)
+    start = numpy.array([0.03, 0.05, 0.1])          # half a period apart along z, so that they never meet
+    for sign in (1, -1):
+        c.body("ball", "m", sign * start, velocity=sign * speed)
+    run = report.run(c.run(tools))
+    time = run.times[-1]
+    report.check("shear h_xy over the length", run.log["cell_xy"][-1] / length, rate * time, 1e-13)
+    report.check("shear strain", run.log["strain_xy"][-1], -rate * time, 1e-13)
+    shear = rate * time * length
+    velocity = speed + numpy.array([rate * start[1], 0, 0])
+    for sign, x, u in zip((1, -1), run.x[-1], run.v[-1]):
+        way = sign * (start + velocity * time)
+        off = x - way
+        n = numpy.rint(off[1] / length)
+        off -= n * numpy.array([shear, length, 0])
+        off[0] -= length * numpy.rint(off[0] / length)
+        # rounding of 1e5 steps, of which each keeps what it loses, and of ways of 10 m
+        report.check("distance from its straight line, over its way", abs(off).max() / numpy.linalg.norm(velocity * time), 0, 1e-12, "absolute")
+        report.at_least("periods crossed along y", abs(way[1]) / length, 1.5)
+        report.check("u_x over v - L y", u[0] / (sign * velocity[0] - rate * way[1]), 1, 1e-12)
+        report.check("u_y over its start", u[1] / (sign * speed[1]), 1, 1e-14)
+
+
+@case("Z6", "U", "a gas of balls is sheared in three directions: the work of the cell", "kinetic + elastic + dissipated - work stays the same; the error is of second order in the step")
+def z6(tools, report):
+    cell = {"strain_rate": {"xy": 30.0, "xz": -12.0, "yz": 9.0, "z": 2.0}}
+    for words, more in (("elastic", {}), ("with friction and damping", {"restitution": 0.6, "friction": 0.4})):
+        errors = []
+        for step in (2e-5, 1e-5, 5e-6):
+            c, _, _ = gas(f"Z6-{words.split()[0]}-{step:g}", step, 0.05, cell, **more)
+            run = report.run(c.run(tools))
+            log = run.log
+            errors.append(abs(log["energy_error"]).max() / abs(log["cell_work"][-1]))
+        report.at_most(f"{words}: largest error of the balance over the work, step 5 us", errors[2], 2e-3)
+        # chaos: another step gives other collisions, so that the ratio is that of two samples
+        report.at_least(f"{words}: error of 20 us over that of 5 us", errors[0] / errors[2], 5)
+        start = log["kinetic_translational"][0] + log["kinetic_rotational"][0]
+        report.at_least(f"{words}: work of the cell over the energy at the start", log["cell_work"][-1] / start, 0.1)
+
+
+@case("Z7", "U", "face-centred crystal of balls, sheared a little", "C44 = k / (sqrt(2) d) at touch, for each of the three shears")
+def z7(tools, report):
+    radius, k, shear, duration = 0.01, 1e4, 1e-6, 1e-4
+    overlap = 1e-5                                  # of d: above what the shear opens, d * shear / 2
+    distance = 2 * radius * (1 - overlap)
+    for part in ("yz", "xz", "xy"):
+        c = crystal("face-centred", 3, radius, distance, k, duration=duration, step=1e-5)
+        c.cell = {"strain_rate": {part: shear / duration}}
+        run = report.run(c.run(tools))
+        report.check(f"strain {part}", run.log[f"strain_{part}"][-1], shear, 1e-9)
+        # stresses of the overlap turn with the cell: some parts of it
+        report.check(f"C44 by {part} [Pa]", run.log[f"stress_{part}"][-1] / shear, k / (math.sqrt(2) * distance), 20 * overlap)
+        others = max(abs(run.log[f"stress_{p}"][-1]) for p in ("yz", "xz", "xy") if p != part)
+        report.check(f"other shear stresses, over that of {part}", others / run.log[f"stress_{part}"][-1], 0, 20 * overlap, "absolute")
+
+
+@case("Z8", "U", "a column of balls in contact is sheared through half a period and a whole one", "contacts across the sides have the forces of those within, springs of friction included")
+def z8(tools, report):
+    radius, k = 0.01, 1e4
+    distance = 2 * radius * (1 - 2e-3)
+    cells = numpy.array([3, 60, 3])                 # a shear of 1 / 40 is half a period along x, and contacts open at 1 / 16
+    corner = numpy.array([0.003, -0.002, 0.001])
+    duration, rate = 2e-3, 27.5
+    c = Case("Z8", duration=duration, step=2e-6, margin=0, every=duration / 60,
+             domain={"min": list(corner), "max": list(corner + cells * distance), "periodic": ["x", "y", "z"]})
+    c.cell = {"strain_rate": {"xy": rate}}
+    c.sphere("ball", radius)
+    c.material("m", 2500.0)
+    c.pair_all(stiffness=k, restitution=1.0, friction=0.3)
+    for at in numpy.ndindex(*cells):
+        c.body("ball", "m", corner + distance * (numpy.array(at) + 0.1))
+    run = report.run(c.run(tools))
+    report.at_least("shear at the end, over the period along x", rate * duration * cells[1] / cells[0], 1.1)
+    passed = 0
+    for contacts in run.contacts:
+        across = abs(contacts["normal"][:, 1]) > 0.5
+        force = numpy.linalg.norm(contacts["tangential_force"][across], axis=1)
+        if not len(force) or force.max() == 0:
+            continue
+        passed += 1
+        # every ball is as every other: differences are rounding, of overlaps of 4e-5 m
+        report.check("least over largest force of friction, over and within the sides", force.min() / force.max(), 1, 1e-6)
+        report.check("contacts along y", across.sum(), numpy.prod(cells), 0)
+    report.at_least("frames with friction", passed, 20)

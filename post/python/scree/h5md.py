@@ -102,7 +102,7 @@ class _Writer:
         box.attrs["dimension"] = np.int32(3)
         box.attrs["boundary"] = np.array([b"periodic" if p else b"none" for p in periodic], dtype="S8")
         if any(periodic):  # along the other axes they are placeholders; edge vectors as rows, which more readers know than a vector of lengths
-            edges = [np.diag(f.cell.period if f.cell else np.subtract(domain["max"], domain["min"]).astype(float)) for f in self.frames]
+            edges = [f.cell.edges if f.cell else np.diag(np.subtract(domain["max"], domain["min"]).astype(float)) for f in self.frames]
             edges = self.element(box, "edges").create_dataset("value", data=np.array(edges))
             lower = self.file.create_dataset("parameters/domain/min", data=np.asarray(domain["min"], dtype=float))
             for data in (edges, lower):

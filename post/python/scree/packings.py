@@ -80,6 +80,8 @@ class Packing:
         scene = bodies._store.scene
         exact = np.array([s.sphere_radius or 0.5 * s.equivalent_diameter for s in scene.shapes.in_order])  # of a sphere to the last digit
         domain, cell = scene.settings.get("domain", {}), bodies._store.cell
+        if cell and cell.is_sheared:
+            raise UsageError("packing: the periodic cell of the frame is sheared, which formats of packings do not hold; take a frame without shear")
         bounded = domain.get("bounded", "min" in domain)
         lower, upper = (cell.lower, cell.upper) if cell else (domain["min"], domain["max"]) if bounded else (None, None)
         return cls(bodies.position, exact[bodies.shape] * bodies.scale, id=bodies.id, kind=bodies.material + 1, velocity=bodies.velocity,

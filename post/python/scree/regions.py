@@ -6,6 +6,7 @@ of a cylinder or sphere does not belong to it: regions side by side count nothin
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -150,20 +151,57 @@ def region(text: str | Region) -> Region:
 
 
 class Periodicity:
-    """Periodic axes of a domain. lower: its lower corner [m]; period: length along each periodic axis [m], 0 for the others."""
+    """Periodic axes of a domain.
 
-    def __init__(self, lower: ArrayLike, period: ArrayLike) -> None:
-        """Both with three values."""
+    lower   its lower corner [m]
+    period  length along each periodic axis [m], 0 for the others
+    shear   h_yz, h_xz, h_xy of a cell that is sheared, since the start of the run [m]; 0 in any other domain
+    """
+
+    def __init__(self, lower: ArrayLike, period: ArrayLike, shear: ArrayLike = (0, 0, 0)) -> None:
+        """Each with three values."""
         self.lower: np.ndarray = np.asarray(lower, dtype=float)
         self.period: np.ndarray = np.asarray(period, dtype=float)
+        self.shear: np.ndarray = np.asarray(shear, dtype=float)
 
     @property
     def any(self) -> bool:
         """Whether an axis is periodic."""
         return bool(np.any(self.period > 0))
 
+    @property
+    def is_sheared(self) -> bool:
+        """Whether images across y and z are shifted along another axis too."""
+        return bool(np.any(self.shear != 0))
+
+    @property
+    def edges(self) -> np.ndarray:
+        """The edges a, b, c of a cell with these images, as rows [m]: of all that there are the one with the least shears."""
+        (yz, xz, xy), (x, y, z) = self.shear, self.period
+        if self.is_sheared:
+            turns = np.rint(yz / y)
+            yz, xz = yz - turns * y, xz - turns * xy
+            xz, xy = xz - np.rint(xz / x) * x, xy - np.rint(xy / x) * x
+        return np.array([[x, 0, 0], [xy, y, 0], [xz, yz, z]])
+
+    def _shift(self, images: np.ndarray) -> np.ndarray:
+        """From a point to its images (n x 3, whole numbers) [m]; the order of operations is that of the solver."""
+        (yz, xz, xy), (x, y, z) = self.shear, self.period
+        n = images
+        return np.stack([n[:, 2] * xz + n[:, 1] * xy + n[:, 0] * x, n[:, 2] * yz + n[:, 1] * y, n[:, 2] * z], axis=1)
+
+    def _whole_shift(self, d: np.ndarray, whole: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        """The shift of the images that `whole` takes from what d has of each period, in the order z, y, x."""
+        (yz, xz, xy), n = self.shear, np.zeros_like(d)
+        n[:, 2] = whole(d[:, 2] / self.period[2])
+        n[:, 1] = whole((d[:, 1] - n[:, 2] * yz) / self.period[1])
+        n[:, 0] = whole((d[:, 0] - (n[:, 2] * xz + n[:, 1] * xy)) / self.period[0])
+        return self._shift(n)
+
     def wrap(self, points: np.ndarray) -> np.ndarray:
         """The points (n x 3) [m] moved by whole periods into the domain."""
+        if self.is_sheared:
+            return points - self._whole_shift(points - self.lower, np.floor)
         wrapped = np.array(points)
         for k in np.flatnonzero(self.period > 0):
             wrapped[:, k] += -np.floor((wrapped[:, k] - self.lower[k]) / self.period[k]) * self.period[k]
@@ -172,6 +210,8 @@ class Periodicity:
     def nearest(self, differences: np.ndarray) -> np.ndarray:
         """The shortest image of each difference (n x 3) of two positions in the domain [m]."""
         d = np.array(differences)
+        if self.is_sheared:
+            return d - self._whole_shift(d, np.rint)
         for k in np.flatnonzero(self.period > 0):
             d[:, k] -= np.where(d[:, k] > 0.5 * self.period[k], self.period[k], 0) - np.where(d[:, k] < -0.5 * self.period[k], self.period[k], 0)
         return d
@@ -181,6 +221,8 @@ class Periodicity:
         if not self.any:
             return part.contains(points)
         lower, upper = part.bounds
+        if self.is_sheared:
+            return self._contained_in_sheared(part, points)
         shifts = [np.zeros(1)] * 3
         for k in np.flatnonzero(self.period > 0):
             first = math.floor((lower[k] - self.lower[k]) / self.period[k]) - 1
@@ -193,19 +235,38 @@ class Periodicity:
                     inside |= part.contains(points + np.array([x, y, z]))
         return inside
 
+    def _contained_in_sheared(self, part: Region, points: np.ndarray) -> np.ndarray:
+        """Which images along one axis meet a region depends on those along the later ones."""
+        lower, upper = part.bounds
+        inside = np.zeros(len(points), dtype=bool)
+
+        def images(k: int, n: list[float]) -> np.ndarray:
+            start = self.lower[k] + self._shift(np.array([n], dtype=float))[0, k]
+            return np.arange(math.floor((lower[k] - start) / self.period[k]) - 1, math.floor((upper[k] - start) / self.period[k]) + 2)
+        for z in images(2, [0, 0, 0]):
+            for y in images(1, [0, 0, z]):
+                for x in images(0, [0, y, z]):
+                    inside |= part.contains(points + self._shift(np.array([[x, y, z]], dtype=float)))
+        return inside
+
 
 class Cell(Periodicity):
     """The periodic cell of a frame of a scene with [cell]. Stresses are positive in compression.
 
-    lower, period  its lower corner and its lengths [m]
+    lower, period  lower corner and lengths of the box that its bodies lie in [m]
+    shear          h_yz, h_xz, h_xy since the start [m]
+    edges          of the cell that ParaView and other readers draw, as rows [m]
     rate           (dh/dt) / h of each length [1/s]
+    shear_rate     L_yz, L_xz, L_xy [1/s]
     stress         symmetric, 3 x 3 [Pa]
     """
 
-    def __init__(self, lower: ArrayLike, upper: ArrayLike, rate: ArrayLike, normal_stress: ArrayLike, shear_stress: ArrayLike) -> None:
+    def __init__(self, lower: ArrayLike, upper: ArrayLike, rate: ArrayLike, normal_stress: ArrayLike, shear_stress: ArrayLike,
+                 shear: ArrayLike = (0, 0, 0), shear_rate: ArrayLike = (0, 0, 0)) -> None:
         """Each with three values; stresses as xx, yy, zz and yz, xz, xy."""
-        super().__init__(lower, np.subtract(upper, lower))
+        super().__init__(lower, np.subtract(upper, lower), shear)
         self.rate: np.ndarray = np.asarray(rate, dtype=float)
+        self.shear_rate: np.ndarray = np.asarray(shear_rate, dtype=float)
         yz, xz, xy = np.asarray(shear_stress, dtype=float)
         xx, yy, zz = np.asarray(normal_stress, dtype=float)
         self.stress: np.ndarray = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])

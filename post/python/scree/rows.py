@@ -60,7 +60,8 @@ class Store:
         with opened(self.path, "scree-frame", 1) as file:
             if "cell" not in file:
                 return None
-            values = [read_array(self.path, file["cell"][name]) for name in ("lower", "upper", "rate", "normal_stress", "shear_stress")]
+            names = ("lower", "upper", "rate", "normal_stress", "shear_stress", "shear", "shear_rate")
+            values = [read_array(self.path, file["cell"][name]) for name in names]
         if any(v.shape != (1, 3) or not np.all(np.isfinite(v)) for v in values):
             raise InputError(f"{self.path}: cell: one row of three numbers expected in each column; the file is damaged")
         return Cell(*(v[0] for v in values))

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "core/base/error.hpp"
 #include "solver/bodies/cell_motion.hpp"
+#include "solver/bodies/kept_sum.hpp"
 #include "solver/bodies/motion.hpp"
 #include "solver/effects/cell/cell_effect.hpp"
 
@@ -24,6 +26,16 @@ constexpr double kRoomForSkin = 1.01;
 /// What of the momentum is more than rounding: over the sum of the sizes of its terms.
 constexpr double kMomentumRounding = 1e-13;
 
+double largest_of(const UpperMatrix& m) {
+  double largest = 0;
+  for (int k = 0; k < 6; ++k) largest = std::max(largest, std::abs(m[k]));
+  return largest;
+}
+
+/// The axis across which a component changes the cell: a shear xy goes with the way along y.
+constexpr std::array<int, 6> kAcross = {0, 1, 2, 2, 2, 1};
+constexpr std::array<const char*, 6> kComponent = {"x", "y", "z", "yz", "xz", "xy"};
+
 }  // namespace
 
 void CellEffect::begin(RunState& s) {
@@ -39,8 +51,8 @@ void CellEffect::begin(RunState& s) {
   contact_time_ = s.clock.size.contact_time;
   if (!(contact_time_ > 0) && control_.any_by_stress())
     throw UsageError("cell.stress: no two bodies can touch, so that nothing withstands a stress; use cell.strain_rate");
-  p.cell.begin(first_, {});
-  p.cell.set_rate(-control_.strain_rate);
+  p.cell.begin({first_, {}}, {});
+  p.cell.set_rate(-1 * control_.strain_rate);
   take_mean_velocity(s);
 }
 
@@ -68,28 +80,31 @@ void CellEffect::take_mean_velocity(RunState& s) const {
                           mean.x, mean.y, mean.z));
 }
 
-double CellEffect::inertia(const RunState& s, int axis) const {
-  const double h = s.particles.cell.periodicity().period()[axis];
+CellSums CellEffect::sums_of_step(const RunState& s) const { return shears_ ? cell_sums(s) : diagonal_cell_sums(s); }
+
+double CellEffect::inertia(const RunState& s, int component) const {
+  const double h = s.particles.cell.periodicity().period()[kAcross[static_cast<std::size_t>(component)]];
   return mass_ * h * h / (std::numbers::pi * std::numbers::pi);
 }
 
-double CellEffect::damping(const RunState& s, int axis) const {
+double CellEffect::damping(const RunState& s, int component) const {
   const Cell& cell = s.particles.cell;
   const double spacing = std::cbrt(cell.volume() / static_cast<double>(s.facts.count));
-  return std::numbers::sqrt2 * std::numbers::pi * std::numbers::pi * spacing / (cell.periodicity().period()[axis] * contact_time_);
+  const double h = cell.periodicity().period()[kAcross[static_cast<std::size_t>(component)]];
+  return std::numbers::sqrt2 * std::numbers::pi * std::numbers::pi * spacing / (h * contact_time_);
 }
 
 void CellEffect::start(RunState& s) {
   const double dt = s.clock.dt;
-  const CellSums sums = diagonal_cell_sums(s);
-  const Vec3 sum = sums.diagonal(), rate = s.particles.cell.rate();
+  const CellSums sums = sums_of_step(s);
+  const UpperMatrix sum = sums.symmetric(), rate = s.particles.cell.rate();
   next_rate_ = rate;
-  for (int k = 0; k < 3; ++k) {
+  for (int k = 0; k < 6; ++k) {
     if (!control_.by_stress(k)) continue;
     const double push = (sum[k] - control_.stress[k] * s.particles.cell.volume()) / inertia(s, k);
     next_rate_[k] = 0.5 * dt * push / (1 + 0.5 * damping(s, k) * dt);  // from rest, half a step
   }
-  power_ = -dot(sum, rate);
+  power_ = -dot(sums.upper(), rate);
   losing_ = -dot(sums.lost, rate);
   work_ += 0.5 * dt * power_;  // as of walls: the first kick is by half a step
   lost_ += 0.5 * dt * losing_;
@@ -98,14 +113,20 @@ void CellEffect::start(RunState& s) {
 void CellEffect::before_drift(RunState& s) {
   Cell& cell = s.particles.cell;
   const double dt = s.clock.dt;
-  for (int k = 0; k < 3; ++k) {
-    if (!(std::abs(next_rate_[k] * dt) <= kMostGrowth))
+  for (int k = 0; k < 6; ++k) {
+    const double change = std::abs(next_rate_[k] * dt);
+    if (change <= kMostGrowth) continue;
+    const char* const control = control_.by_stress(k) ? "stress" : "strain_rate";
+    if (k < 3)
       throw RunInvalid(
           "step {}: the cell changes its length along {} by {:.3g} of it in a step of {:.3g} s, more than {:g}: reduce the "
           "step, or cell.{}",
-          s.clock.step, "xyz"[k], std::abs(next_rate_[k] * dt), dt, kMostGrowth, control_.by_stress(k) ? "stress" : "strain_rate");
+          s.clock.step, kComponent[static_cast<std::size_t>(k)], change, dt, kMostGrowth, control);
+    throw RunInvalid("step {}: the cell has a shear {} of {:.3g} in a step of {:.3g} s, more than {:g}: reduce the step, or cell.{}",
+                     s.clock.step, kComponent[static_cast<std::size_t>(k)], change, dt, kMostGrowth, control);
   }
   cell.deform(next_rate_, dt);
+  for (int k = 0; k < 3; ++k) add_keeping_rest(dt * next_rate_.above[k], sheared_[k], sheared_rest_[k]);
   carry_with_cell(s.particles);
   const double needed = 4 * (kRoomForSkin * s.facts.largest_radius + s.scene.contact_range());
   for (int k = 0; k < 3; ++k) {
@@ -123,10 +144,10 @@ void CellEffect::end_step(const StepParts& parts) {
   RunState& s = parts.state;
   Cell& cell = s.particles.cell;
   const double dt = s.clock.dt;
-  const CellSums sums = diagonal_cell_sums(s);
-  const Vec3 sum = sums.diagonal();
-  Vec3 rate = cell.rate();
-  for (int k = 0; k < 3; ++k) {
+  const CellSums sums = sums_of_step(s);
+  const UpperMatrix sum = sums.symmetric();
+  UpperMatrix rate = cell.rate();
+  for (int k = 0; k < 6; ++k) {
     if (!control_.by_stress(k)) continue;
     const double push = (sum[k] - control_.stress[k] * cell.volume()) / inertia(s, k), half = 0.5 * damping(s, k) * dt;
     const double last = next_rate_[k];
@@ -134,28 +155,27 @@ void CellEffect::end_step(const StepParts& parts) {
     rate[k] = 0.5 * (last + next_rate_[k]);
   }
   cell.set_rate(rate);
-  power_ = -dot(sum, rate);
+  power_ = -dot(sums.upper(), rate);
   losing_ = -dot(sums.lost, rate);
   work_ += dt * power_;
   lost_ += dt * losing_;
 }
 
-Vec3 CellEffect::strain(const RunState& s) const {
+UpperMatrix CellEffect::strain(const RunState& s) const {
   const Vec3& h = s.particles.cell.periodicity().period();
-  return {std::log(first_.x / h.x), std::log(first_.y / h.y), std::log(first_.z / h.z)};
+  return {{std::log(first_.x / h.x), std::log(first_.y / h.y), std::log(first_.z / h.z)}, Vec3{} - sheared_};
 }
 
 std::string CellEffect::ends_run(const RunState& s) const {
   const CellControl& c = control_;
-  const Vec3 now = strain(s);
-  if (c.stop_strain > 0 && Cell::largest_of(now) >= c.stop_strain)
-    return fmt::format("the cell has the strain {:.4g} of cell.stop_when", Cell::largest_of(now));
+  const double now = largest_of(strain(s));
+  if (c.stop_strain > 0 && now >= c.stop_strain) return fmt::format("the cell has the strain {:.4g} of cell.stop_when", now);
   if (!(c.stop_stress_error > 0) && !(c.stop_kinetic_ratio > 0)) return {};
   const ParticleSet& p = s.particles;
-  const Vec3 sum = diagonal_cell_sums(s).diagonal();
+  const UpperMatrix sum = sums_of_step(s).symmetric();
   double error = 0;
-  const double largest = Cell::largest_of(c.stress);
-  for (int k = 0; k < 3; ++k) {
+  const double largest = largest_of(c.stress);
+  for (int k = 0; k < 6; ++k) {
     if (c.by_stress(k)) error = std::max(error, std::abs(sum[k] / p.cell.volume() - c.stress[k]) / largest);
   }
   if (c.stop_stress_error > 0 && !(error <= c.stop_stress_error)) return {};

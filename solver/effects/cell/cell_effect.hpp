@@ -9,7 +9,8 @@ namespace scree {
 
 class CellEffect : public Effect {
  public:
-  explicit CellEffect(const RunState& s) : control_(*s.scene.source().settings.cell), first_(s.scene.periodicity().period()) {}
+  explicit CellEffect(const RunState& s)
+      : control_(*s.scene.source().settings.cell), first_(s.scene.periodicity().period()), shears_(control_.shears()) {}
 
   void begin(RunState& s) override;
   void start(RunState& s) override;
@@ -29,17 +30,21 @@ class CellEffect : public Effect {
 
  private:
   void take_mean_velocity(RunState& s) const;
-  double damping(const RunState& s, int axis) const;
-  double inertia(const RunState& s, int axis) const;
-  Vec3 strain(const RunState& s) const;
+  CellSums sums_of_step(const RunState& s) const;
+  double damping(const RunState& s, int component) const;
+  double inertia(const RunState& s, int component) const;
+  /// Logarithmic, and minus the integral of L: positive in compression.
+  UpperMatrix strain(const RunState& s) const;
 
   const CellControl control_;
   const Vec3 first_;  // lengths at the start [m]
+  const bool shears_;
 
   // what a restart needs
   bool is_restored_ = false;
   double contact_time_ = 0;        // of the contact that limits the step, at the start [s]
-  Vec3 next_rate_;                 // diagonal of L over the next step [1/s]
+  UpperMatrix next_rate_;          // L over the next step [1/s]
+  Vec3 sheared_, sheared_rest_;    // integral of L_yz, L_xz, L_xy, and what rounding took from it
   double work_ = 0, lost_ = 0;     // of the cell on the bodies; by damping and friction: the last step counts in full [J]
   double power_ = 0, losing_ = 0;  // the same at the end of the last step [W]
 

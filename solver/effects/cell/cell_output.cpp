@@ -16,30 +16,41 @@ Vec3 vector_of(const StateArray& array) {
   return {array.reals[0], array.reals[1], array.reals[2]};
 }
 
-/// Normal stresses, and the mean of both of each pair of shear stresses: yz, xz, xy [Pa].
-struct SixStresses {
-  Vec3 normal, shear;
-};
-SixStresses stresses_of(const RunState& s) {
-  const CellSums sums = cell_sums(s);
-  const auto at = [&](std::size_t i, int j) { return sums.contact[i][j] + sums.kinetic[i][j]; };
-  const double by = 1 / s.particles.cell.volume();
-  return {by * Vec3{at(0, 0), at(1, 1), at(2, 2)}, 0.5 * by * Vec3{at(1, 2) + at(2, 1), at(0, 2) + at(2, 0), at(0, 1) + at(1, 0)}};
-}
+/// The stress, positive in compression [Pa].
+UpperMatrix stress_of(const RunState& s) { return (1 / s.particles.cell.volume()) * cell_sums(s).symmetric(); }
+
+constexpr const char* kShears[3] = {"yz", "xz", "xy"};
 
 }  // namespace
 
 std::vector<ArrayFormat> CellEffect::format() {
-  return {{"length", "m", 3}, {"length_remainder", "m", 3}, {"rate", "1/s", 3}, {"next_rate", "1/s", 3}, {"totals", ""}};
+  return {{"length", "m", 3},
+          {"length_remainder", "m", 3},
+          {"rate", "1/s", 3},
+          {"next_rate", "1/s", 3},
+          {"totals", ""},
+          {"shear", "m", 3},
+          {"shear_remainder", "m", 3},
+          {"shear_rate", "1/s", 3},
+          {"next_shear_rate", "1/s", 3},
+          {"sheared", "", 3},
+          {"sheared_remainder", "", 3}};
 }
 
 EffectRecord CellEffect::record(const RunState& s) const {
   const Cell& cell = s.particles.cell;
-  return {array_of(cell.periodicity().period()),
-          array_of(cell.remainder()),
-          array_of(cell.rate()),
-          array_of(next_rate_),
-          {.reals = {work_, lost_, power_, losing_, contact_time_}}};
+  const UpperMatrix edges = cell.edges();
+  return {array_of(edges.diagonal),
+          array_of(cell.remainder().diagonal),
+          array_of(cell.rate().diagonal),
+          array_of(next_rate_.diagonal),
+          {.reals = {work_, lost_, power_, losing_, contact_time_}},
+          array_of(edges.above),
+          array_of(cell.remainder().above),
+          array_of(cell.rate().above),
+          array_of(next_rate_.above),
+          array_of(sheared_),
+          array_of(sheared_rest_)};
 }
 
 void CellEffect::restore(RunState& s, const EffectRecord& record) {
@@ -49,9 +60,13 @@ void CellEffect::restore(RunState& s, const EffectRecord& record) {
   for (int k = 0; k < 3; ++k) {
     if (!(length[k] > 0) || !std::isfinite(length[k])) throw InputError("cell/length: {:g} m; the file is damaged", length[k]);
   }
-  s.particles.cell.begin(length, vector_of(record[1]));
-  s.particles.cell.set_rate(vector_of(record[2]));
-  next_rate_ = vector_of(record[3]);
+  const Vec3 shear = vector_of(record[5]);
+  if (!is_finite(shear)) throw InputError("cell/shear: not a finite number; the file is damaged");
+  s.particles.cell.begin({length, shear}, {vector_of(record[1]), vector_of(record[6])});
+  s.particles.cell.set_rate({vector_of(record[2]), vector_of(record[7])});
+  next_rate_ = {vector_of(record[3]), vector_of(record[8])};
+  sheared_ = vector_of(record[9]);
+  sheared_rest_ = vector_of(record[10]);
   work_ = totals[0];
   lost_ = totals[1];
   power_ = totals[2];
@@ -67,26 +82,28 @@ void CellEffect::add_energies(const RunState& s, Energies& energies) const {
 }
 
 void CellEffect::add_log_columns(const RunState& s, const Energies& energies, std::vector<Column>& columns) const {
-  const SixStresses stress = stresses_of(s);
-  const Vec3 &h = s.particles.cell.periodicity().period(), now = strain(s);
-  for (int k = 0; k < 3; ++k) columns.push_back({fmt::format("cell_{}", "xyz"[k]), "m", exact(h[k])});
-  for (int k = 0; k < 3; ++k) columns.push_back({fmt::format("strain_{}", "xyz"[k]), "-", exact(now[k])});
-  for (int k = 0; k < 3; ++k) columns.push_back({fmt::format("stress_{0}{0}", "xyz"[k]), "Pa", exact(stress.normal[k])});
-  const char* const shears[3] = {"yz", "xz", "xy"};
-  for (int k = 0; k < 3; ++k) columns.push_back({fmt::format("stress_{}", shears[k]), "Pa", exact(stress.shear[k])});
+  const UpperMatrix stress = stress_of(s), edges = s.particles.cell.edges(), now = strain(s);
+  for (int k = 0; k < 3; ++k) columns.push_back({fmt::format("cell_{}", "xyz"[k]), "m", exact(edges.diagonal[k])});
+  for (int k = 0; k < 3; ++k) columns.push_back({fmt::format("cell_{}", kShears[k]), "m", exact(edges.above[k])});
+  for (int k = 0; k < 3; ++k) columns.push_back({fmt::format("strain_{}", "xyz"[k]), "-", exact(now.diagonal[k])});
+  for (int k = 0; k < 3; ++k) columns.push_back({fmt::format("strain_{}", kShears[k]), "-", exact(now.above[k])});
+  for (int k = 0; k < 3; ++k) columns.push_back({fmt::format("stress_{0}{0}", "xyz"[k]), "Pa", exact(stress.diagonal[k])});
+  for (int k = 0; k < 3; ++k) columns.push_back({fmt::format("stress_{}", kShears[k]), "Pa", exact(stress.above[k])});
   columns.push_back({"solid_fraction", "-", exact(solid_volume_ / s.particles.cell.volume())});
   columns.push_back({"cell_work", "J", exact(energies.cell_work)});
 }
 
 void CellEffect::add_frame(const RunState& s, Frame& frame) const {
-  const SixStresses stress = stresses_of(s);
+  const UpperMatrix stress = stress_of(s);
   if (s.comm.rank() != 0) return;
   const Periodicity& box = s.particles.cell.periodicity();
   frame.cell.lower = {box.lower()};
   frame.cell.upper = {box.lower() + box.period()};
-  frame.cell.rate = {s.particles.cell.rate()};
-  frame.cell.normal_stress = {stress.normal};
-  frame.cell.shear_stress = {stress.shear};
+  frame.cell.rate = {s.particles.cell.rate().diagonal};
+  frame.cell.shear = {box.shear()};
+  frame.cell.shear_rate = {s.particles.cell.rate().above};
+  frame.cell.normal_stress = {stress.diagonal};
+  frame.cell.shear_stress = {stress.above};
 }
 
 std::vector<PlanLine> CellEffect::plan(const RunState& s) const {
@@ -103,6 +120,14 @@ std::vector<PlanLine> CellEffect::plan(const RunState& s) const {
                                              control_.strain_rate[k] > 0 ? "shortens" : "lengthens", std::abs(control_.strain_rate[k])));
     else
       lines.emplace_back("cell", fmt::format("{} along {}, which stays", length, axis));
+  }
+  for (int k = 3; k < 6; ++k) {
+    if (control_.by_stress(k))
+      lines.emplace_back("cell", fmt::format("sheared {}, moves to {}; time of its damping {}", kShears[k - 3],
+                                             format_quantity(control_.stress[k], Dimension::pressure),
+                                             format_quantity(1 / damping(s, k), Dimension::time)));
+    else if (control_.strain_rate[k] != 0)
+      lines.emplace_back("cell", fmt::format("sheared {} at {:.4g} 1/s", kShears[k - 3], control_.strain_rate[k]));
   }
   return lines;
 }

@@ -13,7 +13,7 @@ namespace scree {
 namespace {
 
 /// Contact and kinetic part by rows, then what is lost.
-constexpr std::size_t kContact = 0, kKinetic = 9, kLost = 18, kSums = 21;
+constexpr std::size_t kContact = 0, kKinetic = 9, kLost = 18, kSums = 24;
 using Sums = std::vector<ShortSum>;
 
 template <bool kAll>
@@ -35,7 +35,12 @@ void add_contacts(const RunState& s, std::span<const std::int32_t> pairs, Sums& 
     const BodyPair& pair = s.pairs.stored_pairs()[static_cast<std::size_t>(k)];
     const Vec3 r = p.cell.periodicity().nearest(p.x[static_cast<std::size_t>(pair.a)] - p.x[static_cast<std::size_t>(pair.b)]);
     add_dyad<kAll>(result.force_a, r, kContact, sums);
-    for (int i = 0; i < 3; ++i) sums[kLost + static_cast<std::size_t>(i)].add(result.dissipative_force_a[i] * r[i]);
+    const Vec3& lost = result.dissipative_force_a;
+    for (int i = 0; i < 3; ++i) sums[kLost + static_cast<std::size_t>(i)].add(lost[i] * r[i]);
+    if (!kAll) continue;
+    sums[kLost + 3].add(lost.y * r.z);
+    sums[kLost + 4].add(lost.x * r.z);
+    sums[kLost + 5].add(lost.x * r.y);
   }
 }
 
@@ -70,8 +75,8 @@ CellSums sums_of(const RunState& s) {
       found.contact[static_cast<std::size_t>(i)][j] = all[kContact + at].value();
       found.kinetic[static_cast<std::size_t>(i)][j] = all[kKinetic + at].value();
     }
-    found.lost[i] = all[kLost + static_cast<std::size_t>(i)].value();
   }
+  for (int c = 0; c < 6; ++c) found.lost[c] = all[kLost + static_cast<std::size_t>(c)].value();
   return found;
 }
 
