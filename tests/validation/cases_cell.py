@@ -145,3 +145,20 @@ def z4(tools, report):
     rate = max(abs(numpy.diff(log[f"strain_{a}"]) / numpy.diff(log["time"])).max() for a in "xyz")
     inertial = rate * 2 * radius * math.sqrt(2500.0 / 2e3)
     report.at_most("largest inertial number on the way", inertial, 0.1)
+
+
+@case("Z5", "U", "balls that are sheared for long at a constant lateral stress", "the lateral stress is the target, though the cell widens all the time; the balance closes")
+def z5(tools, report):
+    lateral = 2e3
+    c, radius, _ = gas("Z5", None, 0.5, {"strain_rate": {"z": 2.0}, "stress": {"x": lateral, "y": lateral}}, count=200, restitution=0.3, friction=0.3)
+    c.tables["output"]["every"] = 2e-3
+    log = report.run(c.run(tools)).log
+    late = log["strain_z"] > 0.5
+    rate = -(log["strain_x"][late][-1] - log["strain_x"][late][0]) / (log["time"][late][-1] - log["time"][late][0])
+    report.at_least("rate at which the cell widens along x [1/s]", rate, 0.5)
+    mean = {a: numpy.trapz(log[f"stress_{a}{a}"][late], log["time"][late]) / (log["time"][late][-1] - log["time"][late][0]) for a in "xyz"}
+    for a in "xy":
+        # the stress of 200 balls scatters by a tenth as rows of them slip; over half a unit of strain
+        report.check(f"mean stress along {a} [Pa]", mean[a], lateral, 0.03)
+    report.at_least("mean stress along z over that across", mean["z"] / lateral, 1.5)
+    report.at_most("error of the balance over the work", abs(log["energy_error"]).max() / abs(log["cell_work"][-1]), 5e-3)

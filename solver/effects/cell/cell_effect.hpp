@@ -40,6 +40,7 @@ class CellEffect : public Effect {
   bool is_restored_ = false;
   double contact_time_ = 0;        // of the contact that limits the step, at the start [s]
   Vec3 next_rate_;                 // diagonal of L over the next step [1/s]
+  Vec3 steady_rate_;               // which damping leaves alone: r of cell.hpp [1/s]
   double work_ = 0, lost_ = 0;     // of the cell on the bodies; by damping and friction: the last step counts in full [J]
   double power_ = 0, losing_ = 0;  // the same at the end of the last step [W]
 

@@ -30,7 +30,8 @@ SixStresses stresses_of(const RunState& s) {
 }  // namespace
 
 std::vector<ArrayFormat> CellEffect::format() {
-  return {{"length", "m", 3}, {"length_remainder", "m", 3}, {"rate", "1/s", 3}, {"next_rate", "1/s", 3}, {"totals", ""}};
+  return {{"length", "m", 3},      {"length_remainder", "m", 3}, {"rate", "1/s", 3},
+          {"next_rate", "1/s", 3}, {"steady_rate", "1/s", 3},    {"totals", ""}};
 }
 
 EffectRecord CellEffect::record(const RunState& s) const {
@@ -39,12 +40,13 @@ EffectRecord CellEffect::record(const RunState& s) const {
           array_of(cell.remainder()),
           array_of(cell.rate()),
           array_of(next_rate_),
+          array_of(steady_rate_),
           {.reals = {work_, lost_, power_, losing_, contact_time_}}};
 }
 
 void CellEffect::restore(RunState& s, const EffectRecord& record) {
   const Vec3 length = vector_of(record[0]);
-  const std::vector<double>& totals = record[4].reals;
+  const std::vector<double>& totals = record[5].reals;
   if (totals.size() != 5) throw InputError("cell/totals: {} numbers instead of 5; the file is damaged", totals.size());
   for (int k = 0; k < 3; ++k) {
     if (!(length[k] > 0) || !std::isfinite(length[k])) throw InputError("cell/length: {:g} m; the file is damaged", length[k]);
@@ -52,6 +54,7 @@ void CellEffect::restore(RunState& s, const EffectRecord& record) {
   s.particles.cell.begin(length, vector_of(record[1]));
   s.particles.cell.set_rate(vector_of(record[2]));
   next_rate_ = vector_of(record[3]);
+  steady_rate_ = vector_of(record[4]);
   work_ = totals[0];
   lost_ = totals[1];
   power_ = totals[2];
