@@ -107,9 +107,9 @@ Command add_vtk(CLI::App& app) {
   command->add_option("-o,--output", o->files.folder, "Folder")->required();
   command
       ->add_option("--what", o->files.kinds,
-                   "Any of surfaces, bodies (points for glyphs), contacts, network, walls, bonds (default: all that the run has)")
+                   "Any of surfaces, bodies (points for glyphs), contacts, network, walls, bonds, cell (default: all that the run has)")
       ->delimiter(',')
-      ->check(CLI::IsMember({"surfaces", "bodies", "contacts", "network", "walls", "bonds"}));
+      ->check(CLI::IsMember({"surfaces", "bodies", "contacts", "network", "walls", "bonds", "cell"}));
   o->bodies.add_to(*command);
   return {command, [o] {
             require_vtk();
@@ -119,6 +119,7 @@ Command add_vtk(CLI::App& app) {
               o->files.kinds = {"surfaces", "bodies", "walls"};
               if (run.scene.settings.output_contacts) o->files.kinds.insert(o->files.kinds.end(), {"contacts", "network"});
               if (!run.scene.bonds.empty()) o->files.kinds.emplace_back("bonds");
+              if (run.scene.settings.cell) o->files.kinds.emplace_back("cell");
             }
             o->files.frames = choose_frames(run, o->run.frames);
             o->files.bodies = o->bodies.chosen();

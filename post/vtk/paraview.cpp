@@ -66,6 +66,7 @@ ParaviewResult write_paraview_files(const Run& run, const ParaviewOptions& optio
   files.frames = choose_frames(run, "all");
   if (run.scene.settings.output_contacts) files.kinds.emplace_back("network");
   if (!run.scene.bonds.empty()) files.kinds.emplace_back("bonds");
+  if (run.scene.settings.cell) files.kinds.emplace_back("cell");
   if (moving) files.kinds.emplace_back("walls");
   if (result.surfaces == "all") files.kinds.emplace_back("surfaces");
   if (!files.kinds.empty()) {

@@ -2,6 +2,8 @@
 
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
+#include <vtkDoubleArray.h>
+#include <vtkFieldData.h>
 #include <vtkFloatArray.h>
 #include <vtkIntArray.h>
 #include <vtkNew.h>
@@ -310,6 +312,30 @@ void write_network_vtp(const std::string& path, const Frame& frame, const Period
   arrays->AddArray(array_of<vtkIntArray>("contact_points", n, 1, [&](std::size_t i, int) { return lines[i / 2].points; }));
   arrays->AddArray(array_of<vtkTypeInt64Array>("body_a", n, 1, [&](std::size_t i, int) { return lines[i / 2].body_a; }));
   arrays->AddArray(array_of<vtkTypeInt64Array>("body_b", n, 1, [&](std::size_t i, int) { return lines[i / 2].body_b; }));
+  write(path, data);
+}
+
+void write_cell_vtp(const std::string& path, const FrameCell& cell) {
+  const Vec3 &lower = cell.lower[0], &upper = cell.upper[0];
+  // corner k has the upper end of axis c where bit c of k is set; an edge joins two corners that differ in one bit
+  std::vector<std::size_t> ends;
+  for (std::size_t k = 0; k < 8; ++k) {
+    for (std::size_t bit = 1; bit < 8; bit *= 2) {
+      if ((k & bit) == 0) ends.insert(ends.end(), {k, k | bit});
+    }
+  }
+  vtkNew<vtkPoints> points;
+  points->SetData(array_of<vtkFloatArray>("Points", 8, 3, [&](std::size_t k, int c) { return (k >> c & 1) != 0 ? upper[c] : lower[c]; }));
+  vtkNew<vtkCellArray> cells;
+  cells->SetData(array_of<vtkTypeInt32Array>("offsets", ends.size() / 2 + 1, 1, [](std::size_t i, int) { return 2 * i; }),
+                 array_of<vtkTypeInt32Array>("connectivity", ends.size(), 1, [&](std::size_t i, int) { return ends[i]; }));
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(points);
+  data->SetLines(cells);
+  data->GetFieldData()->AddArray(
+      array_of<vtkDoubleArray>("normal_stress", 1, 3, [&](std::size_t, int c) { return cell.normal_stress[0][c]; }));
+  data->GetFieldData()->AddArray(
+      array_of<vtkDoubleArray>("shear_stress", 1, 3, [&](std::size_t, int c) { return cell.shear_stress[0][c]; }));
   write(path, data);
 }
 

@@ -43,4 +43,8 @@ void write_bonds_vtp(const std::string& path, const Frame& frame, const Scene& s
 /// short way through a periodic side
 void write_network_vtp(const std::string& path, const Frame& frame, const Periodicity& period);
 
+/// The twelve edges of the periodic cell of a scene with [cell]. Field data, one row: normal_stress (xx, yy, zz), shear_stress (yz, xz, xy)
+/// [Pa] (float64).
+void write_cell_vtp(const std::string& path, const FrameCell& cell);
+
 }  // namespace scree

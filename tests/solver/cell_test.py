@@ -186,6 +186,20 @@ def python_and_post_read_the_cell():
     subprocess.run([os.path.join(BIN, "scree-post"), "report", "read.run", "-o", "read.html"], env=ENV, check=True, capture_output=True)
     with open("read.html") as file:
         assert "Periodic cell" in file.read()
+    try:
+        import vtk
+    except ImportError:   # a build without VTK has no such files
+        vtk = None
+    if vtk:
+        subprocess.run([os.path.join(BIN, "scree-post"), "vtk", "read.run", "-o", "read.vtk", "--what", "cell", "--frames", "last"], env=ENV, check=True, capture_output=True)
+        reader = vtk.vtkXMLPolyDataReader()
+        reader.SetFileName(glob.glob("read.vtk/cell_*.vtp")[0])
+        reader.Update()
+        drawn = reader.GetOutput()
+        edges = sorted(numpy.linalg.norm(numpy.subtract(*(drawn.GetPoint(drawn.GetCell(n).GetPointId(k)) for k in (0, 1)))) for n in range(drawn.GetNumberOfCells()))
+        assert numpy.allclose(edges, numpy.repeat(sorted(cell.period), 4), rtol=1e-6), edges   # points are float32
+        assert numpy.allclose(drawn.GetBounds(), numpy.ravel(numpy.column_stack([cell.lower, cell.upper])), rtol=1e-6, atol=1e-6 * cell.period.max())
+        assert drawn.GetFieldData().GetArray("normal_stress").GetTuple(0) == tuple(cell.stress[k, k] for k in range(3))
     still = words().replace("[cell]\n", "").replace('strain_rate = { x = 6, y = 4 }\nstress = { z = "4 kPa" }', "")
     pack("without", still)
     run(1, "without.scene.h5", "-o", "without.run")
