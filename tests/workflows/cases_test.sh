@@ -60,7 +60,7 @@ case $4 in
     holds compression/compression.md "^| balls, no friction | 0\.6[0-6]"   # sixty balls
     holds compression/compression.md "^| cubes, no friction | 0\.[67]"
     charts compression/compression
-    page compression/ball-1-at-0.3 ;;
+    page compression/ball-1-at-0.2 ;;
   press)
     run press
     # smooth sides: what presses on the lid comes down to the floor. Thirty grains settle anew whenever the lid wears, each 50 ms: 3e-3
