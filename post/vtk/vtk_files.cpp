@@ -315,7 +315,7 @@ void write_network_vtp(const std::string& path, const Frame& frame, const Period
   write(path, data);
 }
 
-void write_cell_vtp(const std::string& path, const FrameCell& cell) {
+vtkSmartPointer<vtkPolyData> vtk_cell(const FrameCell& cell) {
   const Vec3 &lower = cell.lower[0], &upper = cell.upper[0];
   // corner k has the upper end of axis c where bit c of k is set; an edge joins two corners that differ in one bit
   std::vector<std::size_t> ends;
@@ -329,9 +329,14 @@ void write_cell_vtp(const std::string& path, const FrameCell& cell) {
   vtkNew<vtkCellArray> cells;
   cells->SetData(array_of<vtkTypeInt32Array>("offsets", ends.size() / 2 + 1, 1, [](std::size_t i, int) { return 2 * i; }),
                  array_of<vtkTypeInt32Array>("connectivity", ends.size(), 1, [&](std::size_t i, int) { return ends[i]; }));
-  vtkNew<vtkPolyData> data;
+  auto data = vtkSmartPointer<vtkPolyData>::New();
   data->SetPoints(points);
   data->SetLines(cells);
+  return data;
+}
+
+void write_cell_vtp(const std::string& path, const FrameCell& cell) {
+  const auto data = vtk_cell(cell);
   data->GetFieldData()->AddArray(
       array_of<vtkDoubleArray>("normal_stress", 1, 3, [&](std::size_t, int c) { return cell.normal_stress[0][c]; }));
   data->GetFieldData()->AddArray(

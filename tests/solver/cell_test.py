@@ -199,6 +199,11 @@ def python_and_post_read_the_cell():
         edges = sorted(numpy.linalg.norm(numpy.subtract(*(drawn.GetPoint(drawn.GetCell(n).GetPointId(k)) for k in (0, 1)))) for n in range(drawn.GetNumberOfCells()))
         assert numpy.allclose(edges, numpy.repeat(sorted(cell.period), 4), rtol=1e-6), edges   # points are float32
         assert numpy.allclose(drawn.GetBounds(), numpy.ravel(numpy.column_stack([cell.lower, cell.upper])), rtol=1e-6, atol=1e-6 * cell.period.max())
+        # pictures: the edges are drawn, as walls are
+        for name, more in (("with", []), ("bodies", ["--no-walls"])):
+            subprocess.run([os.path.join(BIN, "scree-post"), "picture", "read.run", "-o", f"{name}.png", *more], env=ENV, check=True, capture_output=True)
+        with open("with.png", "rb") as one, open("bodies.png", "rb") as other:
+            assert one.read() != other.read()
         assert drawn.GetFieldData().GetArray("normal_stress").GetTuple(0) == tuple(cell.stress[k, k] for k in range(3))
     still = words().replace("[cell]\n", "").replace('strain_rate = { x = 6, y = 4 }\nstress = { z = "4 kPa" }', "")
     pack("without", still)
