@@ -125,12 +125,11 @@ Profile profile(const FrameView& view, const ProfileBins& bins) {
 std::vector<double> pair_correlation(const FrameView& view, std::size_t shells, double reach) {
   std::vector<double> g(shells, kNaN);
   const FrameBodies& b = view.frame.bodies;
-  const Domain& domain = view.facts.run->scene.settings.domain;
   Box3 box;
   for (int k = 0; k < 3; ++k) {
     if (view.facts.period.is_periodic(k)) {
-      box.lower[k] = domain.lower[k];
-      box.upper[k] = domain.upper[k];
+      box.lower[k] = view.facts.cell_lower[k];
+      box.upper[k] = box.lower[k] + view.facts.period.period()[k];
       continue;
     }
     std::vector<double> places;
@@ -204,8 +203,14 @@ std::vector<double> pair_correlation(const FrameView& view, std::size_t shells, 
       }
     }
   }
+  // of each pair one image was seen, the nearest: farther than half of a period others are nearer than those that would count
+  double half_period = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    if (view.facts.period.is_periodic(k)) half_period = std::min(half_period, 0.5 * extent[k]);
+  }
   for (std::size_t s = 0; s < shells; ++s) {
     const double low = static_cast<double>(s) * width, high = low + width;
+    if (high > half_period) break;
     const double shell = 4.0 / 3.0 * std::numbers::pi * (high * high * high - low * low * low);
     g[s] = seen[s] * volume * volume / (static_cast<double>(n) * static_cast<double>(n - 1) * shell);
   }

@@ -183,6 +183,15 @@ def python_and_post_read_the_cell():
     found = 0.5 * (total + total.T) / cell.volume
     assert abs(found - cell.stress).max() < 0.05 * abs(cell.stress).max(), (found, cell.stress)
     subprocess.run([os.path.join(BIN, "scree-post"), "statistics", "read.run", "-o", "read.statistics", "--no-charts"], env=ENV, check=True, capture_output=True)
+    # g(r) in the cell as it is, from all pairs
+    subprocess.run([os.path.join(BIN, "scree-post"), "statistics", "read.run", "-o", "read.last", "--frames", "last", "--no-charts"], env=ENV, check=True, capture_output=True)
+    r, g = numpy.genfromtxt("read.last/pair_correlation.csv", delimiter=",", skip_header=2)[:, :2].T
+    n, ends = len(x), numpy.linspace(0, len(r) * (r[1] - r[0]), len(r) + 1)
+    apart = numpy.linalg.norm(frame.periodicity.nearest((x[:, None] - x[None]).reshape(-1, 3)), axis=1)
+    seen = numpy.histogram(apart[apart > 0], ends)[0]
+    expected = seen * cell.volume / (n * (n - 1) * 4 / 3 * numpy.pi * numpy.diff(ends**3))
+    known = ends[1:] <= 0.5 * min(cell.period) * (1 - 1e-9)
+    assert known.any() and seen[known].sum() > n and numpy.allclose(g[known], expected[known], rtol=1e-6), (g, expected)
     subprocess.run([os.path.join(BIN, "scree-post"), "report", "read.run", "-o", "read.html"], env=ENV, check=True, capture_output=True)
     with open("read.html") as file:
         assert "Periodic cell" in file.read()
