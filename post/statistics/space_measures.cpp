@@ -126,10 +126,13 @@ std::vector<double> pair_correlation(const FrameView& view, std::size_t shells, 
   std::vector<double> g(shells, kNaN);
   const FrameBodies& b = view.frame.bodies;
   Box3 box;
+  // of each pair one image is seen, the nearest: farther than this, further ones would count
+  double half_period = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
     if (view.facts.period.is_periodic(k)) {
       box.lower[k] = view.facts.cell_lower[k];
       box.upper[k] = box.lower[k] + view.facts.period.period()[k];
+      half_period = std::min(half_period, 0.5 * view.facts.period.period()[k]);
       continue;
     }
     std::vector<double> places;
@@ -202,11 +205,6 @@ std::vector<double> pair_correlation(const FrameView& view, std::size_t shells, 
         }
       }
     }
-  }
-  // of each pair one image was seen, the nearest: farther than half of a period others are nearer than those that would count
-  double half_period = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < 3; ++k) {
-    if (view.facts.period.is_periodic(k)) half_period = std::min(half_period, 0.5 * extent[k]);
   }
   for (std::size_t s = 0; s < shells; ++s) {
     const double low = static_cast<double>(s) * width, high = low + width;

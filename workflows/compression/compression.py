@@ -3,7 +3,7 @@
 
 NAME       KIND-SEED: NAME.run at the full stress, NAME-at-SHARE.run at that share of it
 contacts   other bodies that a body touches, without rattlers
-at none    the straight line through the values over the stress, at 0: by least squares over all seeds, with its 95 % interval by Student's t over the seeds
+at none    the straight line of each bed through its values over the stress, at 0; intervals are 95 %, by Student's t over the seeds
 """
 import os
 import sys
@@ -12,12 +12,11 @@ import matplotlib
 matplotlib.use("svg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
-from scipy.stats import t as student  # noqa: E402
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [os.path.join(HERE, ".."), os.path.join(HERE, "..", "..", "post", "python")]
 import scree  # noqa: E402
-from run_record import record_of  # noqa: E402
+from run_record import record_of, with_interval  # noqa: E402
 
 TABLE, SVG, PNG, SHARES, *NAMES = sys.argv[1:]
 SHARES = [1.0] + [float(share) for share in SHARES.split(",")]
@@ -37,14 +36,6 @@ def measure(name):
             "rate": rate}
 
 
-def interval(values, digits):
-    values = np.array(values)
-    if len(values) < 2:
-        return f"{values.mean():.{digits}f}"
-    half = student.ppf(0.975, len(values) - 1) * values.std(ddof=1) / np.sqrt(len(values))
-    return f"{values.mean():.{digits}f} +- {half:.{digits}f}"
-
-
 kinds = {}
 for name in NAMES:
     kinds.setdefault(name.rsplit("-", 1)[0], []).append([measure(name)] + [measure(f"{name}-at-{share}") for share in SHARES[1:]])
@@ -55,10 +46,10 @@ figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 3.8))
 for kind, beds in kinds.items():
     for n in range(len(SHARES)):
         row = [bed[n] for bed in beds]
-        lines.append(f"| {WORDS[kind]} | {1e-3 * np.mean([r['p'] for r in row]):.3g} | {interval([r['solid'] for r in row], 4)} | {interval([r['z'] for r in row], 2)} | "
+        lines.append(f"| {WORDS[kind]} | {1e-3 * np.mean([r['p'] for r in row]):.3g} | {with_interval([r['solid'] for r in row], 4)} | {with_interval([r['z'] for r in row], 2)} | "
                      f"{100 * np.mean([r['rattlers'] for r in row]):.1f} % | {len(row)} |")
     zero = {key: [np.polyfit([r["p"] for r in bed], [r[key] for r in bed], 1)[1] for bed in beds] for key in ("solid", "z")}
-    ends.append(f"| {WORDS[kind]} | {interval(zero['solid'], 4)} | {interval(zero['z'], 2)} | {PUBLISHED.get(kind, '')} |")
+    ends.append(f"| {WORDS[kind]} | {with_interval(zero['solid'], 4)} | {with_interval(zero['z'], 2)} | {PUBLISHED.get(kind, '')} |")
     for axes, key in ((left, "solid"), (right, "z")):
         for k, bed in enumerate(beds):
             axes.plot([1e-3 * r["p"] for r in bed], [r[key] for r in bed], "o-", color=COLOURS[kind], markersize=3, linewidth=0.9, label=None if k else WORDS[kind])

@@ -15,12 +15,12 @@ import matplotlib
 matplotlib.use("svg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
-from scipy.stats import t as student  # noqa: E402
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [os.path.join(HERE, ".."), os.path.join(HERE, "..", "..", "post", "python")]
 import scree  # noqa: E402
-from run_record import case_of, record_of, si  # noqa: E402
+from scree.intervals import student_quantile  # noqa: E402
+from run_record import case_of, record_of, si, with_interval  # noqa: E402
 
 TABLE, SVG, PNG, *NAMES = sys.argv[1:]
 STYLES = {"dense": "-", "loose": "--"}
@@ -39,24 +39,16 @@ def read(name):
     strain = log["strain_z"]
     lateral = 0.5 * (log["stress_xx"] + log["stress_yy"])
     ratio = 3 * (log["stress_zz"] - lateral) / (log["stress_zz"] + 2 * lateral)
-    volume = -np.log(log["cell_x"] * log["cell_y"] * log["cell_z"] / (log["cell_x"] * log["cell_y"] * log["cell_z"])[0])
+    volume = log["strain_x"] + log["strain_y"] + strain
     grid = np.linspace(0, strain[-1], 201)
     width = max(1, round(0.02 / grid[1])) if grid[1] > 0 else 1
     smooth = np.convolve(np.interp(grid, strain, ratio), np.ones(width) / width, mode="valid")
     late = strain >= 0.6 * strain[-1]
     top = int(smooth.argmax())
-    return {"asked": si(case["cell"]["stress"]["x"]), "strain": grid, "ratio": np.interp(grid, strain, ratio), "volume": np.interp(grid, strain, volume),
+    return {"strain": grid, "ratio": np.interp(grid, strain, ratio), "volume": np.interp(grid, strain, volume),
             "start": log["solid_fraction"][0], "peak": smooth[top], "peak_strain": grid[min(top + width // 2, 200)],
             "q_p": ratio[late].mean(), "solid": log["solid_fraction"][late].mean(), "lateral": lateral[late].mean() / si(case["cell"]["stress"]["x"]),
-            "steps": record["steps"], "seconds": record["wall_seconds"], "error": abs(log["energy_error"][-1])}
-
-
-def interval(values, digits):
-    values = np.array(values)
-    if len(values) < 2:
-        return f"{values.mean():.{digits}f}"
-    half = student.ppf(0.975, len(values) - 1) * values.std(ddof=1) / np.sqrt(len(values))
-    return f"{values.mean():.{digits}f} +- {half:.{digits}f}"
+            "steps": record["steps"], "seconds": record["wall_seconds"], "error": np.abs(log["energy_error"]).max() / abs(log["cell_work"][-1])}
 
 
 groups = {}
@@ -70,9 +62,9 @@ lines = ["| start | lateral stress | solid fraction at the start | largest q/p |
 figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 3.8))
 for (start, pressure), runs in sorted(groups.items()):
     ends = max(r["strain"][-1] for r in runs)
-    lines.append(f"| {start} | {pressure} kPa | {interval([r['start'] for r in runs], 3)} | {interval([r['peak'] for r in runs], 2)} | "
-                 f"{100 * np.mean([r['peak_strain'] for r in runs]):.0f} % | {interval([angle(r['peak']) for r in runs], 1)} degrees | "
-                 f"{interval([r['q_p'] for r in runs], 3)} | {interval([angle(r['q_p']) for r in runs], 1)} degrees | {interval([r['solid'] for r in runs], 4)} | {len(runs)} |")
+    lines.append(f"| {start} | {pressure} kPa | {with_interval([r['start'] for r in runs], 3)} | {with_interval([r['peak'] for r in runs], 2)} | "
+                 f"{100 * np.mean([r['peak_strain'] for r in runs]):.0f} % | {with_interval([angle(r['peak']) for r in runs], 1)} degrees | "
+                 f"{with_interval([r['q_p'] for r in runs], 3)} | {with_interval([angle(r['q_p']) for r in runs], 1)} degrees | {with_interval([r['solid'] for r in runs], 4)} | {len(runs)} |")
     colour, style = COLOURS[pressures.index(pressure) % len(COLOURS)], STYLES[start]
     strain = np.linspace(0, min(r["strain"][-1] for r in runs), 201)
     for axes, key, factor in ((left, "ratio", 1), (right, "volume", 100)):
@@ -98,10 +90,10 @@ if both:
         for key, digits in (("q_p", 3), ("solid", 4)):
             d, o = (np.array([r[key] for r in groups[start, pressure]]) for start in ("dense", "loose"))
             error = np.sqrt(d.var(ddof=1) / len(d) + o.var(ddof=1) / len(o))
-            half = student.ppf(0.975, len(d) + len(o) - 2) * error
+            half = student_quantile(len(d) + len(o) - 1) * error
             cells.append(f"{d.mean() - o.mean():+.{digits}f} +- {half:.{digits}f}")
         lines.append(f"| {pressure} kPa | {' | '.join(cells)} |")
-lines += ["", f"Lateral stress over that asked: {min(r['lateral'] for r in everything):.4f} to {max(r['lateral'] for r in everything):.4f}. Energy balance to "
-          f"{max(r['error'] for r in everything):.1e}. {max(r['steps'] for r in everything)} steps a run, {max(r['seconds'] for r in everything):.0f} s at most."]
+lines += ["", f"Lateral stress over that asked: {min(r['lateral'] for r in everything):.4f} to {max(r['lateral'] for r in everything):.4f}. Error of the energy balance over the work of the cell: at most "
+          f"{max(r['error'] for r in everything):.0e}. {max(r['steps'] for r in everything)} steps a run, {max(r['seconds'] for r in everything):.0f} s at most."]
 with open(TABLE, "w", encoding="utf-8") as page:
     page.write("# Critical state\n\n" + "\n".join(lines) + "\n")
