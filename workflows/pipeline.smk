@@ -237,19 +237,30 @@ rule solve:
         """
 
 
-rule beside:
+# The runs that the cases begin with are killed and continued as the cases are.
+rule pack_beside:
     input:
         case=lambda wildcards: watched([given_case(BESIDE, wildcards.beside)]),
         others=lambda wildcards: BESIDE[wildcards.beside][2],
         shapes=lambda wildcards: SHAPE_FILES,
-    output: "{beside}.run/run.json"
+    output: "{beside}.scene.h5"
     params:
         case=lambda wildcards: given_case(BESIDE, wildcards.beside),
         words=lambda wildcards: shlex.split(BESIDE[wildcards.beside][1]),
         changes=lambda wildcards: changes([given_case(BESIDE, wildcards.beside)]),
-    shell:
-        "cp {params.case:q} {wildcards.beside:q}.toml && scree-decomposer pack {wildcards.beside:q}.toml -o {wildcards.beside:q}.scene.h5 {params.words:q} && "
-        "rm -rf {wildcards.beside:q}.run && scree-solver {wildcards.beside:q}.scene.h5 -o {wildcards.beside:q}.run"
+    shell: "cp {params.case:q} {wildcards.beside:q}.toml && scree-decomposer pack {wildcards.beside:q}.toml -o {output:q} {params.words:q}"
+
+
+use rule solve as solve_beside with:
+    input: "{beside}.scene.h5"
+    output: "{beside}.run/run.json"
+    params:
+        ranks=RANKS,
+        script=lambda wildcards: os.path.join(HERE, "ranks.py"),
+        threads=THREADS,
+        run="{beside}.run",
+        failed="{beside}.failed.json",
+        lock=".{beside}.solver.lock",
 
 
 rule paraview:

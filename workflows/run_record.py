@@ -18,6 +18,13 @@ def case_of(record):
     return tomllib.loads(record["provenance"]["inputs"][0]["history"]["configuration"])
 
 
+def with_interval(values, digits):
+    """Mean of runs with different seeds as a text, with its interval of 95 % where there is more than one."""
+    from scree.intervals import mean_interval   # of the Python package, which the scripts that call this have in their path
+    mean = mean_interval(values, is_signed=True)
+    return f"{mean.value:.{digits}f}" + (f" +- {mean.half:.{digits}f}" if mean.count > 1 else "")
+
+
 def heights_of_heaviest(frames):
     """Of frames of the Python package: the row of the heaviest body in the first, and its z [m] in all."""
     row = int(frames[0].bodies.mass.argmax())

@@ -113,6 +113,11 @@ bool Packer::walls_bear(const PlacedBody& body, const std::vector<Vec3>& vertice
 }
 
 void Packer::place_given_bodies() {
+  constexpr std::size_t kShown = 5;  // a bed that was settled elsewhere has thousands of contacts
+  std::size_t contacts = 0;
+  const auto starts_in_contact = [&](const CaseBody& body, const std::string& with) {
+    if (++contacts <= kShown) report_.notices.push_back(fmt::format("{}: starts in contact with {}", body.where, with));
+  };
   for (std::size_t i = 0; i < case_.bodies.size(); ++i) {
     const CaseBody& b = case_.bodies[i];
     const PlacedBody body{&parts_.shape(b.shape), b.scale, b.position, b.orientation};
@@ -128,7 +133,7 @@ void Packer::place_given_bodies() {
     // drawn surfaces that meet to rounding are not pressed
     const double apart = gap() > 0 ? gap() : -kTouch * body.radius();
     if (!b.fixed && !walls_allow(body, vertices, apart, &wall)) {
-      report_.notices.push_back(fmt::format("{}: starts in contact with wall '{}'", b.where, scene_.walls[wall].name));
+      starts_in_contact(b, fmt::format("wall '{}'", scene_.walls[wall].name));
     }
     near_.clear();
     const double near = std::max(gap(), kTouch * body.radius());
@@ -145,7 +150,7 @@ void Packer::place_given_bodies() {
         throw InputError("{}: overlaps {}, or touches it to more than {} of the margins; {}", b.where, name_of(j), kStopOverlapRatio,
                          is_carried(j) ? "move it away" : "move one of them, or set contact.relax = true");
       }
-      if (found < apart) report_.notices.push_back(fmt::format("{}: starts in contact with {}", b.where, name_of(j)));
+      if (found < apart) starts_in_contact(b, name_of(j));
     }
     keep(body, static_cast<std::int32_t>(i));
     BodyRow row;
@@ -164,6 +169,9 @@ void Packer::place_given_bodies() {
     row.heat_table = b.heat_table;
     scene_.bodies.add(row);
   }
+  if (contacts > kShown)
+    report_.notices.push_back(
+        fmt::format("{} pairs of given bodies, or of a given body and a wall, start in contact; the first {} are named", contacts, kShown));
 }
 
 bool Packer::is_free(const PlacedBody& body, const Region& region) {

@@ -125,13 +125,14 @@ Profile profile(const FrameView& view, const ProfileBins& bins) {
 std::vector<double> pair_correlation(const FrameView& view, std::size_t shells, double reach) {
   std::vector<double> g(shells, kNaN);
   const FrameBodies& b = view.frame.bodies;
-  const Domain& domain = view.facts.run->scene.settings.domain;
   Box3 box;
+  // of each pair one image is seen, the nearest: farther than this, further ones would count
+  double half_period = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
     if (view.facts.period.is_periodic(k)) {
-      const bool deforms = view.frame.cell.size() > 0;
-      box.lower[k] = deforms ? view.frame.cell.lower[0][k] : domain.lower[k];
-      box.upper[k] = deforms ? view.frame.cell.upper[0][k] : domain.upper[k];
+      box.lower[k] = view.facts.cell_lower[k];
+      box.upper[k] = box.lower[k] + view.facts.period.period()[k];
+      half_period = std::min(half_period, 0.5 * view.facts.period.period()[k]);
       continue;
     }
     std::vector<double> places;
@@ -210,6 +211,7 @@ std::vector<double> pair_correlation(const FrameView& view, std::size_t shells, 
   }
   for (std::size_t s = 0; s < shells; ++s) {
     const double low = static_cast<double>(s) * width, high = low + width;
+    if (high > half_period) break;
     const double shell = 4.0 / 3.0 * std::numbers::pi * (high * high * high - low * low * low);
     g[s] = seen[s] * volume * volume / (static_cast<double>(n) * static_cast<double>(n - 1) * shell);
   }

@@ -42,8 +42,8 @@ Profile profile(const FrameView& view, const ProfileBins& bins);
 ///
 /// How: pairs in a box, along each axis between the places below which 5 % and 95 % of the centres lie, so that the empty layer
 /// at a wall does not count; each pair weighted by the share of the box from which it could be seen, so that the sides need no
-/// correction: g = 1 for points that do not know of one another. Periodic axes have no sides. Source: J. Ohser, D. Stoyan, Biometrical J.
-/// 23 (1981) 523 (translation correction).
+/// correction: g = 1 for points that do not know of one another. Periodic axes have no sides; shells beyond half of a period are NaN.
+/// Source: J. Ohser, D. Stoyan, Biometrical J. 23 (1981) 523 (translation correction).
 std::vector<double> pair_correlation(const FrameView& view, std::size_t shells, double reach);
 
 /// Lacey's mixing index of two kinds: 0 apart, 1 mixed at random. `kind` by row: 0, 1, or 2 for neither. Cells are cubes

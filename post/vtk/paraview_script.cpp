@@ -180,6 +180,15 @@ def show_walls(here, view):
     return walls
 
 
+def show_cell(here, view):
+    """Edges of the periodic cell."""
+    cell = OpenDataFile(os.path.join(here, "cell.pvd"))
+    RenameSource("periodic cell", cell)
+    display = Show(cell, view)
+    as_glass(display, 1.0)
+    display.LineWidth = 2.0
+
+
 def show_network(here, view):
     """Contacts as tubes from centre to centre; radius and colour by normal force."""
     network = OpenDataFile(os.path.join(here, "network.pvd"))
@@ -281,6 +290,8 @@ def main():
     if not options.plain:
         if not options.load:
             show_walls(here, view)
+        if os.path.exists(os.path.join(here, "cell.pvd")):
+            show_cell(here, view)
         annotation = AnnotateTimeFilter(Input=reader)
         annotation.Format = "t = {time:.4f} s"
         label = Show(annotation, view)

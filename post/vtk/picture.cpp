@@ -416,6 +416,22 @@ void add_loads(vtkRenderer* renderer, const Frame& frame, const Scene& scene, co
   if (options.legend) add_legend(renderer, colours, kLoadQuantities[quantity].title, options.height);
 }
 
+/// Lines that show where something ends.
+vtkSmartPointer<vtkActor> edge_actor(vtkPolyDataMapper* mapper) {
+  auto lines = vtkSmartPointer<vtkActor>::New();
+  lines->SetMapper(mapper);
+  lines->GetProperty()->SetColor(0.35, 0.40, 0.46);
+  lines->GetProperty()->SetLineWidth(1.5F);
+  lines->GetProperty()->LightingOff();
+  return lines;
+}
+
+void add_cell(vtkRenderer* renderer, const Periodicity& cell) {
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(vtk_cell(cell));
+  renderer->AddActor(edge_actor(mapper));
+}
+
 void add_walls(vtkRenderer* renderer, const Frame& frame, const Scene& scene, const Box3& room) {
   std::vector<TriangleMesh> walls;
   for (const Wall& wall : scene.walls) walls.push_back(drawn_wall(wall, scene, room, &frame));
@@ -439,12 +455,7 @@ void add_walls(vtkRenderer* renderer, const Frame& frame, const Scene& scene, co
   edges->ColoringOff();
   vtkNew<vtkPolyDataMapper> line_mapper;
   line_mapper->SetInputConnection(edges->GetOutputPort());
-  vtkNew<vtkActor> lines;
-  lines->SetMapper(line_mapper);
-  lines->GetProperty()->SetColor(0.35, 0.40, 0.46);
-  lines->GetProperty()->SetLineWidth(1.5F);
-  lines->GetProperty()->LightingOff();
-  renderer->AddActor(lines);
+  renderer->AddActor(edge_actor(line_mapper));
 }
 
 }  // namespace
@@ -526,6 +537,7 @@ Image draw_frame(const Run& run, const Frame& given, const PictureOptions& optio
   if (look.network) add_network(renderer, frame, run.scene, look, cut);
   if (!look.bonds.empty()) add_bond_faces(renderer, frame, run.scene, look, look.range.value_or(std::pair{0.0, 1.0}), cut);
   if (look.walls) add_walls(renderer, frame, run.scene, stage.room);
+  if (look.walls && given.cell.size() > 0) add_cell(renderer, periodicity_of(run.scene, given));
   if (look.time) add_time(renderer, frame.time, look.height);
   if (look.network || !look.bonds.empty()) {  // ghosts need their true order in overlap
     renderer->SetUseDepthPeeling(1);

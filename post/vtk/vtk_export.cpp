@@ -37,8 +37,9 @@ VtkResult write_vtk_files(const Run& run, const VtkOptions& options) {
         "it again",
         run.folder);
   }
+  if (wants("cell") && !run.scene.settings.cell)
+    throw UsageError("{}: the domain of the scene is no cell that deforms ([cell] of the case); leave 'cell' away", run.folder);
   if (wants("bonds") && run.scene.bonds.empty()) throw UsageError("{}: the scene has no bonds; leave 'bonds' away", run.folder);
-  if (wants("cell") && !run.scene.settings.cell) throw UsageError("{}: the scene has no [cell]; leave 'cell' away", run.folder);
   const ChosenBodies chosen(options.bodies, run.scene);
   make_folder(options.folder);
   const fs::path folder(options.folder);
@@ -71,7 +72,7 @@ VtkResult write_vtk_files(const Run& run, const VtkOptions& options) {
     if (wants("contacts")) write_contacts_vtp(path("contacts"), frame.contacts);
     if (wants("bonds")) write_bonds_vtp(path("bonds"), frame, run.scene);
     if (wants("network")) write_network_vtp(path("network"), frame, periodicity_of(run.scene, whole));
-    if (wants("cell")) write_cell_vtp(path("cell"), periodicity_of(run.scene, whole));
+    if (wants("cell") && whole.cell.size() > 0) write_cell_vtp(path("cell"), whole.cell, periodicity_of(run.scene, whole));
     if (!walls.empty()) {
       for (std::size_t w = 0; w < walls.size(); ++w) {
         if (run.scene.walls[w].wear > 0) walls[w] = drawn_wall(run.scene.walls[w], run.scene, room, &whole);

@@ -1,4 +1,4 @@
-// Frames as VTK files for any reader: surfaces, bodies, contacts, network, walls. Present only in builds with VTK.
+// Frames as VTK files for any reader: surfaces, bodies, contacts, network, walls, bonds, cell. Present only in builds with VTK.
 #pragma once
 
 #include <string>

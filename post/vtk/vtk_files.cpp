@@ -2,6 +2,8 @@
 
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
+#include <vtkDoubleArray.h>
+#include <vtkFieldData.h>
 #include <vtkFloatArray.h>
 #include <vtkIntArray.h>
 #include <vtkNew.h>
@@ -313,14 +315,14 @@ void write_network_vtp(const std::string& path, const Frame& frame, const Period
   write(path, data);
 }
 
-void write_cell_vtp(const std::string& path, const Periodicity& cell) {
-  const Periodicity least = cell.with_least_shear();
-  std::vector<Vec3> corners;  // bit k of its number: beyond the side along axis k
+vtkSmartPointer<vtkPolyData> vtk_cell(const Periodicity& period) {
+  const Periodicity least = period.with_least_shear();
+  std::vector<Vec3> corners;  // bit k of its number: beyond the side along axis k; an edge joins two corners that differ in one bit
   std::vector<std::size_t> ends;
   for (std::size_t c = 0; c < 8; ++c) {
     corners.push_back(least.lower() + least.shift({c & 1 ? 1.0 : 0.0, c & 2 ? 1.0 : 0.0, c & 4 ? 1.0 : 0.0}));
-    for (const std::size_t axis : {1U, 2U, 4U}) {
-      if ((c & axis) == 0) ends.insert(ends.end(), {c, c | axis});
+    for (const std::size_t bit : {1U, 2U, 4U}) {
+      if ((c & bit) == 0) ends.insert(ends.end(), {c, c | bit});
     }
   }
   vtkNew<vtkPoints> points;
@@ -328,9 +330,18 @@ void write_cell_vtp(const std::string& path, const Periodicity& cell) {
   vtkNew<vtkCellArray> cells;
   cells->SetData(array_of<vtkTypeInt32Array>("offsets", ends.size() / 2 + 1, 1, [](std::size_t i, int) { return 2 * i; }),
                  array_of<vtkTypeInt32Array>("connectivity", ends.size(), 1, [&](std::size_t i, int) { return ends[i]; }));
-  vtkNew<vtkPolyData> data;
+  auto data = vtkSmartPointer<vtkPolyData>::New();
   data->SetPoints(points);
   data->SetLines(cells);
+  return data;
+}
+
+void write_cell_vtp(const std::string& path, const FrameCell& cell, const Periodicity& period) {
+  const auto data = vtk_cell(period);
+  data->GetFieldData()->AddArray(
+      array_of<vtkDoubleArray>("normal_stress", 1, 3, [&](std::size_t, int c) { return cell.normal_stress[0][c]; }));
+  data->GetFieldData()->AddArray(
+      array_of<vtkDoubleArray>("shear_stress", 1, 3, [&](std::size_t, int c) { return cell.shear_stress[0][c]; }));
   write(path, data);
 }
 

@@ -43,8 +43,8 @@ void write_bonds_vtp(const std::string& path, const Frame& frame, const Scene& s
 /// short way through a periodic side
 void write_network_vtp(const std::string& path, const Frame& frame, const Periodicity& period);
 
-/// The twelve edges of the periodic cell of a frame [m]: of all cells with its images the one that is sheared least, its lowest corner that
-/// of the box that bodies lie in.
-void write_cell_vtp(const std::string& path, const Periodicity& cell);
+/// The twelve edges of the periodic cell of a scene with [cell]: of all cells with its images the one that is sheared least, its lowest
+/// corner that of the box that bodies lie in. Field data, one row: normal_stress (xx, yy, zz), shear_stress (yz, xz, xy) [Pa] (float64).
+void write_cell_vtp(const std::string& path, const FrameCell& cell, const Periodicity& period);
 
 }  // namespace scree

@@ -18,4 +18,7 @@ vtkSmartPointer<vtkPolyData> vtk_walls(const Scene& scene, const std::vector<Tri
 /// Faces of bonds; cell data body_a, body_b, energy and those of kBondQuantities.
 vtkSmartPointer<vtkPolyData> vtk_bonds(const std::vector<BondFace>& faces);
 
+/// The twelve edges of a periodic cell as lines: of all cells with its images the one that is sheared least.
+vtkSmartPointer<vtkPolyData> vtk_cell(const Periodicity& period);
+
 }  // namespace scree

@@ -555,6 +555,20 @@ TEST_F(Packing, given_bodies_closer_than_the_margins_are_a_notice) {
   EXPECT_EQ(told, 1);
 }
 
+TEST_F(Packing, many_given_bodies_in_contact_are_counted_and_the_first_ones_named) {
+  std::string text = kHead;
+  text.replace(text.find("margin = "), 0, "relax = false\n");
+  for (int n = 0; n < 9; ++n) text += cube_at(1.001 * n, 1);
+  const PackedScene packed = pack(text);
+  int named = 0, counted = 0;
+  for (const std::string& notice : packed.report.notices) {
+    named += notice.find("starts in contact") != std::string::npos ? 1 : 0;
+    counted += notice.find("8 pairs of given bodies") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_EQ(named, 5);
+  EXPECT_EQ(counted, 1);
+}
+
 TEST_F(Packing, a_body_inside_the_solid_of_another_is_refused_but_one_in_a_hollow_is_not) {
   EXPECT_NE(failure(kHead + cube_at(0, 1) + cube_at(0, 0.3)).find("overlaps"), std::string::npos);
   EXPECT_NE(failure(kHead + cube_at(0, 0.3) + cube_at(0, 1)).find("overlaps"), std::string::npos);

@@ -232,9 +232,37 @@ def python_and_post_read_the_cell():
     found = 0.5 * (total + total.T) / cell.volume
     assert abs(found - cell.stress).max() < 0.05 * abs(cell.stress).max(), (found, cell.stress)
     subprocess.run([os.path.join(BIN, "scree-post"), "statistics", "read.run", "-o", "read.statistics", "--no-charts"], env=ENV, check=True, capture_output=True)
+    # g(r) in the cell as it is, from all pairs
+    subprocess.run([os.path.join(BIN, "scree-post"), "statistics", "read.run", "-o", "read.last", "--frames", "last", "--no-charts"], env=ENV, check=True, capture_output=True)
+    r, g = numpy.genfromtxt("read.last/pair_correlation.csv", delimiter=",", skip_header=2)[:, :2].T
+    n, ends = len(x), numpy.linspace(0, len(r) * (r[1] - r[0]), len(r) + 1)
+    apart = numpy.linalg.norm(frame.periodicity.nearest((x[:, None] - x[None]).reshape(-1, 3)), axis=1)
+    seen = numpy.histogram(apart[apart > 0], ends)[0]
+    expected = seen * cell.volume / (n * (n - 1) * 4 / 3 * numpy.pi * numpy.diff(ends**3))
+    known = ends[1:] <= 0.5 * min(cell.period) * (1 - 1e-9)
+    assert known.any() and seen[known].sum() > n and numpy.allclose(g[known], expected[known], rtol=1e-6), (g, expected)
     subprocess.run([os.path.join(BIN, "scree-post"), "report", "read.run", "-o", "read.html"], env=ENV, check=True, capture_output=True)
     with open("read.html") as file:
         assert "Periodic cell" in file.read()
+    try:
+        import vtk
+    except ImportError:   # a build without VTK has no such files
+        vtk = None
+    if vtk:
+        subprocess.run([os.path.join(BIN, "scree-post"), "vtk", "read.run", "-o", "read.vtk", "--what", "cell", "--frames", "last"], env=ENV, check=True, capture_output=True)
+        reader = vtk.vtkXMLPolyDataReader()
+        reader.SetFileName(glob.glob("read.vtk/cell_*.vtp")[0])
+        reader.Update()
+        drawn = reader.GetOutput()
+        edges = sorted(numpy.linalg.norm(numpy.subtract(*(drawn.GetPoint(drawn.GetCell(n).GetPointId(k)) for k in (0, 1)))) for n in range(drawn.GetNumberOfCells()))
+        assert numpy.allclose(edges, numpy.repeat(sorted(cell.period), 4), rtol=1e-6), edges   # points are float32
+        assert numpy.allclose(drawn.GetBounds(), numpy.ravel(numpy.column_stack([cell.lower, cell.upper])), rtol=1e-6, atol=1e-6 * cell.period.max())
+        # pictures: the edges are drawn, as walls are
+        for name, more in (("with", []), ("bodies", ["--no-walls"])):
+            subprocess.run([os.path.join(BIN, "scree-post"), "picture", "read.run", "-o", f"{name}.png", *more], env=ENV, check=True, capture_output=True)
+        with open("with.png", "rb") as one, open("bodies.png", "rb") as other:
+            assert one.read() != other.read()
+        assert drawn.GetFieldData().GetArray("normal_stress").GetTuple(0) == tuple(cell.stress[k, k] for k in range(3))
     still = words().replace("[cell]\n", "").replace('strain_rate = { x = 6, y = 4 }\nstress = { z = "4 kPa" }', "")
     pack("without", still)
     run(1, "without.scene.h5", "-o", "without.run")

@@ -44,6 +44,7 @@ class CellEffect : public Effect {
   bool is_restored_ = false;
   double contact_time_ = 0;        // of the contact that limits the step, at the start [s]
   UpperMatrix next_rate_;          // L over the next step [1/s]
+  UpperMatrix steady_rate_;        // which damping leaves alone: r of the theory [1/s]
   Vec3 sheared_, sheared_rest_;    // integral of L_yz, L_xz, L_xy, and what rounding took from it
   double work_ = 0, lost_ = 0;     // of the cell on the bodies; by damping and friction: the last step counts in full [J]
   double power_ = 0, losing_ = 0;  // the same at the end of the last step [W]

@@ -28,11 +28,13 @@ std::vector<ArrayFormat> CellEffect::format() {
           {"length_remainder", "m", 3},
           {"rate", "1/s", 3},
           {"next_rate", "1/s", 3},
+          {"steady_rate", "1/s", 3},
           {"totals", ""},
           {"shear", "m", 3},
           {"shear_remainder", "m", 3},
           {"shear_rate", "1/s", 3},
           {"next_shear_rate", "1/s", 3},
+          {"steady_shear_rate", "1/s", 3},
           {"sheared", "", 3},
           {"sheared_remainder", "", 3}};
 }
@@ -44,29 +46,32 @@ EffectRecord CellEffect::record(const RunState& s) const {
           array_of(cell.remainder().diagonal),
           array_of(cell.rate().diagonal),
           array_of(next_rate_.diagonal),
+          array_of(steady_rate_.diagonal),
           {.reals = {work_, lost_, power_, losing_, contact_time_}},
           array_of(edges.above),
           array_of(cell.remainder().above),
           array_of(cell.rate().above),
           array_of(next_rate_.above),
+          array_of(steady_rate_.above),
           array_of(sheared_),
           array_of(sheared_rest_)};
 }
 
 void CellEffect::restore(RunState& s, const EffectRecord& record) {
   const Vec3 length = vector_of(record[0]);
-  const std::vector<double>& totals = record[4].reals;
+  const std::vector<double>& totals = record[5].reals;
   if (totals.size() != 5) throw InputError("cell/totals: {} numbers instead of 5; the file is damaged", totals.size());
   for (int k = 0; k < 3; ++k) {
     if (!(length[k] > 0) || !std::isfinite(length[k])) throw InputError("cell/length: {:g} m; the file is damaged", length[k]);
   }
-  const Vec3 shear = vector_of(record[5]);
+  const Vec3 shear = vector_of(record[6]);
   if (!is_finite(shear)) throw InputError("cell/shear: not a finite number; the file is damaged");
-  s.particles.cell.begin({length, shear}, {vector_of(record[1]), vector_of(record[6])});
-  s.particles.cell.set_rate({vector_of(record[2]), vector_of(record[7])});
-  next_rate_ = {vector_of(record[3]), vector_of(record[8])};
-  sheared_ = vector_of(record[9]);
-  sheared_rest_ = vector_of(record[10]);
+  s.particles.cell.begin({length, shear}, {vector_of(record[1]), vector_of(record[7])});
+  s.particles.cell.set_rate({vector_of(record[2]), vector_of(record[8])});
+  next_rate_ = {vector_of(record[3]), vector_of(record[9])};
+  steady_rate_ = {vector_of(record[4]), vector_of(record[10])};
+  sheared_ = vector_of(record[11]);
+  sheared_rest_ = vector_of(record[12]);
   work_ = totals[0];
   lost_ = totals[1];
   power_ = totals[2];
