@@ -167,7 +167,7 @@ def z5(tools, report):
 @case("Z6", "U", "two free balls while their cell is sheared by 100 periods", "straight lines: x = x_0 + v t of any image, v = u_0 + L x_0; u = v - L x")
 def z6(tools, report):
     rate, length, speed = 40.0, 0.4, numpy.array([0.05, 0.31, 0.0])
-    step = 2e-5
+    step = 1.25e-5                                  # u_x reaches 31 m/s, and no body may move by more than a tenth of its radius
     duration = 100 / rate
     c = Case("Z6", duration=duration, step=step, margin=0, every=duration, domain={"min": [-length / 2] * 3, "max": [length / 2] * 3, "periodic": ["x", "y", "z"]})
     c.cell = {"strain_rate": {"xy": -rate}}         # the upper side moves along x
@@ -183,16 +183,18 @@ def z6(tools, report):
     report.check("shear strain", run.log["strain_xy"][-1], -rate * time, 1e-13)
     shear = rate * time * length
     velocity = speed + numpy.array([rate * start[1], 0, 0])
+    # each step adds the same to u_x, and may round to the same side
+    rounding = duration / step * 2.0**-53
+    fastest = rate * speed[1] * duration            # change of u_x
     for sign, x, u in zip((1, -1), run.x[-1], run.v[-1]):
         way = sign * (start + velocity * time)
         off = x - way
         n = numpy.rint(off[1] / length)
         off -= n * numpy.array([shear, length, 0])
         off[0] -= length * numpy.rint(off[0] / length)
-        # rounding of 1e5 steps, of which each keeps what it loses, and of ways of 10 m
-        report.check("distance from its straight line, over its way", abs(off).max() / numpy.linalg.norm(velocity * time), 0, 1e-12, "absolute")
+        report.check("distance from its straight line, over its way", abs(off).max() / numpy.linalg.norm(velocity * time), 0, rounding * 0.5 * fastest * time / numpy.linalg.norm(velocity * time), "absolute")
         report.at_least("periods crossed along y", abs(way[1]) / length, 1.5)
-        report.check("u_x over v - L y", u[0] / (sign * velocity[0] - rate * way[1]), 1, 1e-12)
+        report.check("u_x over v - L y", u[0] / (sign * velocity[0] - rate * way[1]), 1, rounding)
         report.check("u_y over its start", u[1] / (sign * speed[1]), 1, 1e-14)
 
 
@@ -236,7 +238,7 @@ def z9(tools, report):
     cells = numpy.array([3, 60, 3])                 # a shear of 1 / 40 is half a period along x, and contacts open at 1 / 16
     corner = numpy.array([0.003, -0.002, 0.001])
     duration, rate = 2e-3, 27.5
-    c = Case("Z9", duration=duration, step=2e-6, margin=0, every=duration / 60,
+    c = Case("Z9", duration=duration, step=2e-6, margin=0, every=duration / 60, contacts=True,
              domain={"min": list(corner), "max": list(corner + cells * distance), "periodic": ["x", "y", "z"]})
     c.cell = {"strain_rate": {"xy": rate}}
     c.sphere("ball", radius)
@@ -245,15 +247,15 @@ def z9(tools, report):
     for at in numpy.ndindex(*cells):
         c.body("ball", "m", corner + distance * (numpy.array(at) + 0.1))
     run = report.run(c.run(tools))
-    report.at_least("shear at the end, over the period along x", rate * duration * cells[1] / cells[0], 1.1)
-    passed = 0
+    report.at_least("shear at the end, over the period along x", rate * duration * cells[1] / cells[0], 1.05)
+    ratios, counts = [], []
     for contacts in run.contacts:
-        across = abs(contacts["normal"][:, 1]) > 0.5
-        force = numpy.linalg.norm(contacts["tangential_force"][across], axis=1)
-        if not len(force) or force.max() == 0:
-            continue
-        passed += 1
-        # every ball is as every other: differences are rounding, of overlaps of 4e-5 m
-        report.check("least over largest force of friction, over and within the sides", force.min() / force.max(), 1, 1e-6)
-        report.check("contacts along y", across.sum(), numpy.prod(cells), 0)
-    report.at_least("frames with friction", passed, 20)
+        along_y = abs(contacts["normal"][:, 1]) > 0.5
+        force = numpy.linalg.norm(contacts["tangential_force"][along_y], axis=1)
+        if len(force) and force.max() > 0:
+            ratios.append(force.min() / force.max())
+            counts.append(along_y.sum())
+    # every ball is as every other: differences are rounding, of overlaps of 4e-5 m
+    report.check("least over largest force of friction, over and within the sides", min(ratios, default=0), 1, 1e-6)
+    report.check("contacts along y in each frame with friction", min(counts, default=0), numpy.prod(cells), 0)
+    report.at_least("frames with friction", len(counts), 20)

@@ -1,0 +1,116 @@
+#!/usr/bin/env python3
+"""Friction and solid fraction of flows in a sheared cell against their inertial number. usage: shear_flow.py TABLE.md CHART.svg CHART.png NAME ...
+
+NAME             KIND-NUMBER
+inertial number  I = rate d sqrt(density / s_yy), d the diameter of the sphere of the same volume, s_yy the mean of the run
+friction         s_xy / s_yy; solid fraction: both are means over the strain after the first quarter, in six blocks, of which come the intervals (95 %, Student's t)
+at I = 0         the fit of friction and of 1 / solid fraction by a + b I^c over all inertial numbers of a kind, with four of them at least; its
+                 interval is from fits that leave one of the numbers out (jackknife: Efron and Tibshirani 1993, section 11.5)
+"""
+import os
+import sys
+
+import matplotlib
+matplotlib.use("svg")
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path[:0] = [os.path.join(HERE, ".."), os.path.join(HERE, "..", "..", "post", "python")]
+import scree  # noqa: E402
+from scree.intervals import mean_interval, student_quantile  # noqa: E402
+from run_record import case_of, record_of, si  # noqa: E402
+
+TABLE, SVG, PNG, *NAMES = sys.argv[1:]
+WORDS = {"ball": "balls, no friction", "rubbing-ball": "balls, friction 0.5", "rock": "rocks, friction 0.5"}
+COLOURS = {"ball": "#2a6f97", "rubbing-ball": "#61a5c2", "rock": "#bc6c25"}
+# friction of balls at I = 0, and its tolerance: Peyneau and Roux, Phys. Rev. E 78 (2008) 011307: 5.76 +- 0.22 degrees
+PUBLISHED = {"ball": "0.101 +- 0.004, 0.64"}
+BLOCKS = 6
+
+
+def blocks(strain, values):
+    """Means over equal parts of the strain after its first quarter."""
+    ends = np.linspace(0.25 * strain[-1], strain[-1], BLOCKS + 1)
+    return [values[(strain >= low) & (strain <= high)].mean() for low, high in zip(ends[:-1], ends[1:])]
+
+
+def read(name):
+    record, run = record_of(name), scree.open(f"{name}.run")
+    case, log = case_of(record), run.log
+    strain = np.abs(log["strain_xy"])
+    solid = blocks(strain, log["solid_fraction"])
+    bodies = run.frames[0].bodies
+    density = si(case["materials"]["glass"]["density"])
+    diameter = np.cbrt(6 / np.pi * np.mean(bodies.mass) / density)
+    friction = blocks(strain, log["stress_xy"] / log["stress_yy"])
+    stress = np.mean(blocks(strain, log["stress_yy"]))
+    rate = strain[-1] / log["time"][-1]
+    return {"I": rate * diameter * np.sqrt(density / stress), "friction": friction, "solid": solid, "stress": stress / si(case["cell"]["stress"]["y"]), "strain": strain[-1],
+            "steps": record["steps"], "seconds": record["wall_seconds"], "error": np.abs(log["energy_error"]).max() / abs(log["cell_work"][-1])}
+
+
+def fitted(numbers, values):
+    """a, b, c of a + b I^c with the least squares: linear in a and b, of a grid of c."""
+    def by(power):
+        matrix = np.stack([np.ones_like(numbers), numbers**power], axis=1)
+        found = np.linalg.lstsq(matrix, values, rcond=None)[0]
+        return ((matrix @ found - values) ** 2).sum(), (*found, power)
+    return min(by(power) for power in np.linspace(0.2, 1.2, 101))[1]
+
+
+def at_zero(numbers, values):
+    """The fit, and the half width of the interval of its a."""
+    numbers, values = np.array(numbers), np.array(values)
+    fit = fitted(numbers, values)
+    n = len(numbers)
+    without = np.array([fitted(np.delete(numbers, k), np.delete(values, k))[0] for k in range(n)])
+    return fit, student_quantile(n - 1) * np.sqrt((n - 1) / n * ((without - without.mean()) ** 2).sum())
+
+
+def text(values, digits):
+    mean = mean_interval(values, is_signed=True)
+    return f"{mean.value:.{digits}f} +- {mean.half:.{digits}f}"
+
+
+kinds = {}
+for name in NAMES:
+    kinds.setdefault(name.rsplit("-", 1)[0], []).append(read(name))
+
+lines = ["| bodies | inertial number | friction, s_xy / s_yy | solid fraction |", "|---|---|---|---|"]
+ends = ["| bodies | friction at I = 0 | angle | solid fraction at I = 0 | published |", "|---|---|---|---|---|"]
+figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 3.8))
+for kind, runs in kinds.items():
+    runs.sort(key=lambda r: r["I"])
+    numbers = [r["I"] for r in runs]
+    for r in runs:
+        lines.append(f"| {WORDS[kind]} | {r['I']:.2g} | {text(r['friction'], 4)} | {text(r['solid'], 4)} |")
+    for axes, key in ((left, "friction"), (right, "solid")):
+        means = [mean_interval(r[key], is_signed=True) for r in runs]
+        axes.errorbar(numbers, [m.value for m in means], [m.half for m in means], fmt="o", color=COLOURS[kind], markersize=4, capsize=2, linewidth=0.9, label=WORDS[kind])
+    if len(runs) >= 4:
+        (mu, b, c), half = at_zero(numbers, [np.mean(r["friction"]) for r in runs])
+        (volume, e, f), half_volume = at_zero(numbers, [1 / np.mean(r["solid"]) for r in runs])
+        ends.append(f"| {WORDS[kind]} | {mu:.3f} +- {half:.3f} | {np.degrees(np.arctan(mu)):.1f} degrees | {1 / volume:.3f} +- {half_volume / volume**2:.3f} | {PUBLISHED.get(kind, '')} |")
+        grid = np.geomspace(0.5 * min(numbers), 1.3 * max(numbers), 100)
+        left.plot(grid, mu + b * grid**c, color=COLOURS[kind], linewidth=0.9)
+        right.plot(grid, 1 / (volume + e * grid**f), color=COLOURS[kind], linewidth=0.9)
+left.set_ylabel("friction, $s_{xy} / s_{yy}$")
+left.set_ylim(bottom=0)
+right.set_ylabel("solid fraction")
+for axes in (left, right):
+    axes.set_xscale("log")
+    axes.set_xlabel("inertial number")
+    axes.grid(alpha=0.25)
+right.legend(frameon=False, fontsize=8)
+figure.tight_layout()
+figure.savefig(SVG, dpi=150)
+figure.savefig(PNG, dpi=150)
+
+everything = [r for runs in kinds.values() for r in runs]
+fits = ["\n".join(ends), ""] if len(ends) > 2 else []
+with open(TABLE, "w", encoding="utf-8") as page:
+    page.write("# Shear flow\n\n" + "\n".join(fits + lines) + f"\n\nShear strain of {max(r['strain'] for r in everything):.3g}; means over the last three quarters, intervals of 95 % from six blocks of them. "
+               f"Stress s_yy over that asked: {min(r['stress'] for r in everything):.3f} to {max(r['stress'] for r in everything):.3f}. "
+               f"Error of the energy balance over the work of the cell: at most {max(r['error'] for r in everything):.0e}. "
+               f"{max(r['steps'] for r in everything)} steps and {max(r['seconds'] for r in everything):.0f} s a run at most.\n")
