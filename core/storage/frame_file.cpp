@@ -174,7 +174,7 @@ Table read_columns(const h5::Group& root) {
   Table::visit([&](const auto& c) {
     auto& values = rows.*c.column;
     const h5::Group group = root.open_group(std::string(c.group()));
-    if ((c.uses & kOfHeat) != 0 && !group.has(std::string(c.dataset()))) {
+    if ((c.uses & (kOfHeat | kAddedLater)) != 0 && !group.has(std::string(c.dataset()))) {
       values.resize(rows.size());
       return;
     }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/json_record.hpp"
+#include "core/geometry/periodic.hpp"
 #include "core/geometry/upper_matrix.hpp"
 #include "core/storage/body_orientation.hpp"
 #include "core/storage/bond.hpp"
@@ -213,8 +214,14 @@ struct Domain {
   bool bounded = false;
   Vec3 lower, upper;  ///< [m], when bounded
   std::array<bool, 3> periodic{false, false, false};
+  Vec3 shear;  ///< h_yz, h_xz, h_xy of a cell that a run left sheared [m] (geometry/periodic.hpp)
   Outside outside = Outside::stop;
 };
+
+inline Periodicity periodicity_of(const Domain& d) {
+  const Periodicity box(d.lower, d.upper, d.periodic);
+  return d.shear == Vec3{} ? box : Periodicity::at_corner(d.lower, box.period(), d.shear);
+}
 
 /// A fluid around all bodies; it moves as given, whatever the bodies do.
 struct Fluid {

@@ -172,6 +172,12 @@ Settings read_settings(const JsonObject& o) {
   for (int k = 0; k < 3; ++k) {
     if (s.domain.bounded && !(s.domain.lower[k] < s.domain.upper[k])) throw InputError("{}: min is not below max", domain.where());
   }
+  if (domain.has("shear")) {
+    s.domain.shear = domain.vector("shear");
+    const auto& periodic = s.domain.periodic;
+    if (!s.domain.bounded || !periodic[0] || !periodic[1] || !periodic[2])
+      throw InputError("{}: has a shear, and not all of its axes are periodic", domain.where());
+  }
   if (o.has("fluid")) {
     const JsonObject fluid = o.object("fluid");
     JsonKeyReader fluid_reader(fluid);
@@ -391,6 +397,7 @@ json settings_json(const Scene& scene) {
   domain["bounded"] = s.domain.bounded;
   JsonKeyWriter domain_writer(domain);
   domain_keys(domain_writer, s.domain);
+  if (!(s.domain.shear == Vec3{})) domain["shear"] = to_json(s.domain.shear);
   if (s.fluid) {
     JsonKeyWriter fluid_writer(t["fluid"]);
     fluid_keys(fluid_writer, *s.fluid);

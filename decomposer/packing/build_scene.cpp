@@ -522,15 +522,19 @@ double container_volume(const Scene& scene) {
 PackedScene build_scene(const Case& c, const ChildSolver& solver) {
   if (!c.start || !c.settings.cell) return Builder(c, solver).build();
   // bodies of a cell that has deformed lie in that cell
-  const std::optional<Box3> cell = read_run(c).cell;
+  const std::optional<CellOfRun> cell = read_run(c).cell;
   if (!cell) return Builder(c, solver).build();
   Case in_cell = c;
-  in_cell.settings.domain.lower = cell->lower;
-  in_cell.settings.domain.upper = cell->upper;
+  in_cell.settings.domain.lower = cell->box.lower;
+  in_cell.settings.domain.upper = cell->box.upper;
+  in_cell.settings.domain.shear = cell->shear;
   PackedScene packed = Builder(in_cell, solver).build();
-  const Vec3 extent = cell->extent();
-  packed.report.notices.push_back(fmt::format("domain.min and max are those of the periodic cell of {}, {:g} x {:g} x {:g} m", c.start->run,
-                                              extent.x, extent.y, extent.z));
+  const Vec3 extent = cell->box.extent();
+  std::string notice = fmt::format("domain.min and max are those of the periodic cell of {}, {:g} x {:g} x {:g} m", c.start->run, extent.x,
+                                   extent.y, extent.z);
+  if (!(cell->shear == Vec3{}))
+    notice += fmt::format(", sheared by yz {:g}, xz {:g}, xy {:g} m", cell->shear.x, cell->shear.y, cell->shear.z);
+  packed.report.notices.push_back(std::move(notice));
   return packed;
 }
 

@@ -116,7 +116,7 @@ void fill_bond(const CaseBond& given, Bond& bond) {
 
 std::size_t bond_faces_between(const CaseBond& given, double distance, const WholeBodies& whole, Scene& scene) {
   const Domain& domain = scene.settings.domain;
-  const Periodicity periodicity(domain.lower, domain.upper, domain.periodic);
+  const Periodicity periodicity = periodicity_of(domain);
   std::map<std::int32_t, std::vector<FlatFace>> faces;
   std::vector<std::size_t> bodies;
   double widest = 0;

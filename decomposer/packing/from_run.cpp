@@ -280,9 +280,8 @@ bool are_the_same(const Wall& a, const Shape* shape_a, const Wall& b, const Shap
 /// The zones of the case for those of the run, -1 where there is none.
 std::vector<std::int32_t> zones_in_case(const FromRun& from, const Scene& scene, const std::vector<std::int32_t>& partner) {
   const auto zones_of = [](const Scene& s) {
-    const Domain& d = s.settings.domain;
     std::vector<std::string> dropped;
-    return wall_zones(s.walls, Periodicity(d.lower, d.upper, d.periodic), dropped);
+    return wall_zones(s.walls, periodicity_of(s.settings.domain), dropped);
   };
   std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> here;  // of the run's wall and its zone
   const std::vector<WallZone> zones = zones_of(scene);

@@ -13,6 +13,7 @@
 #include "core/geometry/triangle_mesh.hpp"
 #include "core/storage/start_state.hpp"
 #include "decomposer/case/case_pairs.hpp"
+#include "decomposer/packing/cell_of_run.hpp"
 
 namespace scree {
 
@@ -28,7 +29,7 @@ struct FromRun {
   StartState start;                         ///< with the state of all pairs, as it is in the run
   std::vector<InputRecord> inputs;          ///< the scene of the run and its checkpoint or frame
   std::map<std::size_t, StoodWall> driven;  ///< by their index in that scene; none that has no mesh and was turned
-  std::optional<Box3> cell;                 ///< where the periodic cell of the run deforms: as it was then
+  std::optional<CellOfRun> cell;            ///< where the periodic cell of the run deforms: as it was then
   std::int64_t first_free_id = 0;           ///< above all that bodies and walls had in that run, and in those before it
 
   /// "body 17 of settle.run"

@@ -28,7 +28,7 @@ Packer::Packer(const Case& c, const SceneParts& parts, Scene& scene, PackingRepo
       parts_(parts),
       scene_(scene),
       report_(report),
-      periodicity_(c.settings.domain.lower, c.settings.domain.upper, c.settings.domain.periodic),
+      periodicity_(periodicity_of(c.settings.domain)),
       scratch_(make_mesh_distance_scratch()) {
   vacancies_.resize(case_.populations.size());
   smallest_ball_.assign(case_.populations.size(), 1e300);

@@ -55,7 +55,7 @@ struct Pressed {
 class Relaxer {
  public:
   Relaxer(Case& c, const SceneParts& parts, const Scene& scene, double gap)
-      : case_(c), parts_(parts), scene_(scene), periodicity_(c.settings.domain.lower, c.settings.domain.upper, c.settings.domain.periodic) {
+      : case_(c), parts_(parts), scene_(scene), periodicity_(periodicity_of(c.settings.domain)) {
     double furthest = 0;
     for (const CaseBody& b : case_.bodies) {
       bodies_.push_back({&parts.shape(b.shape), b.scale, b.position, b.orientation});

@@ -56,7 +56,7 @@ void check_attraction(const Case& c, const SceneParts& parts, const Scene& scene
 
 void check_periodic_axes(const Case& c, const SceneParts& parts, const Scene& scene, std::vector<std::string>& notices) {
   const Domain& domain = c.settings.domain;
-  const Periodicity periodicity(domain.lower, domain.upper, domain.periodic);
+  const Periodicity periodicity = periodicity_of(domain);
   if (!periodicity.any()) return;
   const double gas = scene.settings.heat ? scene.settings.heat->gas_range : 0;
   const double range = common_margin(scene.settings) + 0.5 * std::max(widest_range(scene), gas);

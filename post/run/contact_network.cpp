@@ -18,7 +18,7 @@ Periodicity periodicity_of(const Scene& scene, const Frame& frame) {
   if (frame.cell.size() > 0)
     return Periodicity::at_corner(frame.cell.lower[0], frame.cell.upper[0] - frame.cell.lower[0], frame.cell.shear[0]);
   const Domain& domain = scene.settings.domain;
-  return domain.bounded ? Periodicity(domain.lower, domain.upper, domain.periodic) : Periodicity();
+  return domain.bounded ? periodicity_of(domain) : Periodicity();
 }
 
 std::vector<NetworkLine> network_of(const Frame& frame, const Periodicity& period) {

@@ -79,7 +79,7 @@ SolverScene::SolverScene(const Scene& scene)
   if (!settings.domain.bounded && (periodic[0] || periodic[1] || periodic[2])) {
     throw UsageError("domain.periodic: a periodic axis needs domain.min and domain.max");
   }
-  periodicity_ = Periodicity(settings.domain.lower, settings.domain.upper, periodic);
+  periodicity_ = periodicity_of(settings.domain);
   if (!(settings.duration >= 0)) throw InputError("time.duration = {:g} s; expected >= 0", settings.duration);
 
   for (const Shape& shape : scene.shapes) shapes_.push_back(make_solver_shape(shape, settings));

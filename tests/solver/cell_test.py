@@ -157,6 +157,33 @@ def post_and_python_read_a_sheared_cell():
         assert "shear xy" in file.read()
 
 
+def a_case_begins_in_a_sheared_cell():
+    """By [start]: stresses and cell are those of the end of the run, strains begin at 0, and the shear goes back to where it came from."""
+    pack("shear-first", words(cell=SHEARS, duration=0.02, checkpoint=0.02, every=0.005))
+    run(1, "shear-first.scene.h5", "-o", "shear-first.run")
+    back = words(cell='strain_rate = { xy = -32, xz = 30, yz = -25 }', duration=0.02, checkpoint=0.02, every=0.005)
+    bodies = back[back.index("[[populations]]"):back.index("[output]")]
+    back = back.replace(bodies, "").replace("[domain]", '[start]\nrun = "shear-first.run"\n[domain]')
+    with_shapes = back
+    for shape in ("[shapes.ball]", "[shapes.rock]"):
+        begin = back.index(shape)
+        back = back.replace(back[begin:back.index("[", begin + 1)], "")
+    text = pack("shear-back", back)
+    assert "sheared by yz" in text, text
+    for ranks, folder in ((1, "shear-back.run"), (3, "shear-back-three.run")):
+        run(ranks, "shear-back.scene.h5", "-o", folder)
+    assert outcome("shear-back.run")["state_hash"] == outcome("shear-back-three.run")["state_hash"]
+    for part in ("yz", "xz", "xy"):
+        assert column("shear-back.run", f"cell_{part}")[0] == column("shear-first.run", f"cell_{part}")[-1], part
+        assert column("shear-back.run", f"strain_{part}")[0] == 0, part
+        # rates of 0.02 s each way; lengths along y and z have changed meanwhile
+        assert abs(column("shear-back.run", f"strain_{part}")[-1] + column("shear-first.run", f"strain_{part}")[-1]) < 1e-9, part
+    for part in ("xx", "yy", "zz", "yz", "xz", "xy"):
+        first, then = column("shear-first.run", f"stress_{part}")[-1], column("shear-back.run", f"stress_{part}")[0]
+        assert abs(then - first) < 1e-6 * abs(column("shear-first.run", "stress_zz")[-1]), (part, first, then)
+    assert "cannot be added" in pack("shear-more", with_shapes.replace("[output]", bodies + "[output]"), expect=2)
+
+
 def lists_and_ghosts_never_change_a_result():
     """A cell that moves fast and far: lists that held too long would miss contacts, and their number would change the bits."""
     text = words(cell="strain_rate = { x = 20, y = 20, z = -35 }", duration=0.02, every=0.002, checkpoint=0.02)
@@ -316,7 +343,8 @@ def mistakes_are_told_with_their_line():
 
 if __name__ == "__main__":
     main([the_same_bits_of_a_sheared_cell_on_any_ranks_and_threads_and_after_a_restart, the_same_bits_of_rocks_in_a_sheared_cell,
-          lists_and_ghosts_of_a_sheared_cell_never_change_a_result, post_and_python_read_a_sheared_cell, the_same_bits_on_any_ranks_and_threads_and_after_a_restart, the_same_bits_of_rocks_on_any_ranks_and_after_a_restart,
+          lists_and_ghosts_of_a_sheared_cell_never_change_a_result, post_and_python_read_a_sheared_cell,
+          a_case_begins_in_a_sheared_cell, the_same_bits_on_any_ranks_and_threads_and_after_a_restart, the_same_bits_of_rocks_on_any_ranks_and_after_a_restart,
           lists_and_ghosts_never_change_a_result, the_momentum_is_taken_and_stays_zero, a_run_ends_at_what_was_asked_for,
           a_cell_that_becomes_too_thin_ends_the_run, python_and_post_read_the_cell, the_plan_says_what_each_axis_does,
           mistakes_are_told_with_their_line])

@@ -2,7 +2,7 @@
 # A ready case in its small size: from nothing to its answers, page, picture and ParaView files, killed half way and resumed. "drum-sweep" is a sweep.
 # usage: cases_test.sh RUNNER BIN SCRATCH CASE    "--list" in place of RUNNER prints the cases
 set -euo pipefail
-cases=(hopper column repose drum conveyor triaxial critical-state compression press mill screen sticky granuheap impact silo crater crush brazilian beam rockfall granite unbroken
+cases=(hopper column repose drum conveyor triaxial critical-state compression shear-flow press mill screen sticky granuheap impact silo crater crush brazilian beam rockfall granite unbroken
   shape-dial dice heated-drum heated-bed fluidised drum-sweep)
 if [[ $1 == --list ]]; then printf '%s;' "${cases[@]}"; exit 0; fi
 runner=$1; export SCREE_BIN=$2; scratch=$3/$4
@@ -61,6 +61,14 @@ case $4 in
     holds compression/compression.md "^| cubes, no friction | 0\.[67]"
     charts compression/compression
     page compression/ball-1-at-0.2 ;;
+  shear-flow)
+    run shear-flow
+    # sixty balls and forty rocks at an inertial number of a tenth, on a shear of 1
+    holds shear-flow/shear-flow.md "^| balls, no friction | 0\.1[0-9]* | 0\.[23][0-9]* +- 0\.[01][0-9]* | 0\.6"
+    holds shear-flow/shear-flow.md "^| rocks, friction 0.5 | 0\.1[0-9]* | 0\.[4-7][0-9]* +- 0\.[01][0-9]* | 0\.5"
+    charts shear-flow/shear-flow
+    there shear-flow/rock-0.1.run/paraview/cell.pvd
+    page shear-flow/ball-0.1; resumes shear-flow/ball-0.1 ;;
   press)
     run press
     # smooth sides: what presses on the lid comes down to the floor. Thirty grains settle anew whenever the lid wears, each 50 ms: 3e-3

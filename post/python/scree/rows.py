@@ -61,7 +61,8 @@ class Store:
             if "cell" not in file:
                 return None
             names = ("lower", "upper", "rate", "normal_stress", "shear_stress", "shear", "shear_rate")
-            values = [read_array(self.path, file["cell"][name]) for name in names]
+            cell = file["cell"]   # the shears were added later
+            values = [np.zeros((1, 3)) if name in ("shear", "shear_rate") and name not in cell else read_array(self.path, cell[name]) for name in names]
         if any(v.shape != (1, 3) or not np.all(np.isfinite(v)) for v in values):
             raise InputError(f"{self.path}: cell: one row of three numbers expected in each column; the file is damaged")
         return Cell(*(v[0] for v in values))

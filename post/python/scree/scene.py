@@ -246,7 +246,7 @@ class Scene:
         if not any(domain.get("periodic", [])):
             return Periodicity([0, 0, 0], [0, 0, 0])
         period = np.where(domain["periodic"], np.subtract(domain["max"], domain["min"]), 0)
-        return Periodicity(domain["min"], period)
+        return Periodicity(domain["min"], period, domain.get("shear", (0, 0, 0)))
 
     @cached_property
     def boundary_ids(self) -> np.ndarray:

@@ -56,7 +56,7 @@ void CellEffect::begin(RunState& s) {
   contact_time_ = s.clock.size.contact_time;
   if (!(contact_time_ > 0) && control_.any_by_stress())
     throw UsageError("cell.stress: no two bodies can touch, so that nothing withstands a stress; use cell.strain_rate");
-  p.cell.begin({first_, {}}, {});
+  p.cell.begin({first_, s.scene.periodicity().shear()}, {});
   p.cell.set_rate(-1 * control_.strain_rate);
   take_mean_velocity(s);
 }
