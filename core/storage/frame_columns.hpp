@@ -17,11 +17,11 @@ namespace scree {
 /// What besides frame files has a column.
 enum FrameUse : unsigned {
   kFileOnly = 0,
-  kInParaView = 1,  ///< files of bodies and of contacts for ParaView
-  kOnSurfaces = 2,  ///< every triangle of a body, in ParaView files of surfaces
-  kOfThisRun = 4,   ///< of how a run was shared out: verify does not compare it
+  kInParaView = 1,   ///< files of bodies and of contacts for ParaView
+  kOnSurfaces = 2,   ///< every triangle of a body, in ParaView files of surfaces
+  kOfThisRun = 4,    ///< of how a run was shared out: verify does not compare it
   kAddedLater = 16,  ///< older files do not have it: zeros
-  kOfHeat = 8,      ///< of scenes with heat: files of others do not have it (FrameBodies::has)
+  kOfHeat = 8,       ///< of scenes with heat: files of others do not have it (FrameBodies::has)
 };
 
 }  // namespace scree

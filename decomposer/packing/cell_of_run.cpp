@@ -13,7 +13,8 @@ CellOfRun checked(const Vec3& lower, const Vec3& upper, const Vec3& shear, const
         c.start->where, c.start->run);
   if (!(shear == Vec3{}) && !(c.bodies.empty() && c.populations.empty()))
     throw UsageError(
-        "{}.run: the periodic cell of {} is sheared by yz {:g}, xz {:g}, xy {:g} m; bodies and populations cannot be added to it: leave them "
+        "{}.run: the periodic cell of {} is sheared by yz {:g}, xz {:g}, xy {:g} m; bodies and populations cannot be added to it: leave "
+        "them "
         "out, or give a frame from before the shear",
         c.start->where, c.start->run, shear.x, shear.y, shear.z);
   CellOfRun cell;

@@ -42,18 +42,10 @@ std::vector<ArrayFormat> CellEffect::format() {
 EffectRecord CellEffect::record(const RunState& s) const {
   const Cell& cell = s.particles.cell;
   const UpperMatrix edges = cell.edges();
-  return {array_of(edges.diagonal),
-          array_of(cell.remainder().diagonal),
-          array_of(cell.rate().diagonal),
-          array_of(next_rate_.diagonal),
-          array_of(steady_rate_.diagonal),
-          {.reals = {work_, lost_, power_, losing_, contact_time_}},
-          array_of(edges.above),
-          array_of(cell.remainder().above),
-          array_of(cell.rate().above),
-          array_of(next_rate_.above),
-          array_of(steady_rate_.above),
-          array_of(sheared_),
+  return {array_of(edges.diagonal),      array_of(cell.remainder().diagonal), array_of(cell.rate().diagonal),
+          array_of(next_rate_.diagonal), array_of(steady_rate_.diagonal),     {.reals = {work_, lost_, power_, losing_, contact_time_}},
+          array_of(edges.above),         array_of(cell.remainder().above),    array_of(cell.rate().above),
+          array_of(next_rate_.above),    array_of(steady_rate_.above),        array_of(sheared_),
           array_of(sheared_rest_)};
 }
 
