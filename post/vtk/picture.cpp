@@ -462,9 +462,27 @@ void add_walls(vtkRenderer* renderer, const Frame& frame, const Scene& scene, co
 
 namespace {
 
+/// Bodies of a cell that is sheared lie in the box of its three lengths: those images of them that lie between the edges that are drawn.
+void move_into_edges(const Periodicity& period, FrameBodies& bodies) {
+  if (!period.is_sheared()) return;
+  const Periodicity drawn = period.with_least_shear();
+  const Vec3 &length = drawn.period(), &shear = drawn.shear();
+  for (Vec3& x : bodies.position) {
+    const Vec3 in = x - drawn.lower();
+    Vec3 n;
+    n.z = std::floor(in.z / length.z);
+    const double along_z = in.z / length.z;
+    n.y = std::floor((in.y - along_z * shear.x) / length.y);
+    const double along_y = (in.y - along_z * shear.x) / length.y;
+    n.x = std::floor((in.x - along_z * shear.y - along_y * shear.z) / length.x);
+    x -= drawn.shift(n);
+  }
+}
+
 /// What is drawn: all but bodies outside of what the user named. What has left the equipment is drawn where the camera sees it.
 Frame as_shown(const Run& run, const Frame& frame, const PictureOptions& options, const Within& within) {
-  const Frame shown = within.is_equipment() ? frame : within.part_of(run, frame);
+  Frame shown = within.is_equipment() ? frame : within.part_of(run, frame);
+  move_into_edges(periodicity_of(run.scene, frame), shown.bodies);
   return options.apart > 0 ? taken_apart(run.scene, shown, options.apart) : shown;
 }
 

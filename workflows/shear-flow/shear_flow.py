@@ -5,7 +5,7 @@ NAME             KIND-NUMBER
 inertial number  I = rate d sqrt(density / s_yy), d the diameter of the sphere of the same volume, s_yy the mean of the run
 friction         s_xy / s_yy; solid fraction: both are means over the strain after the first quarter, in six blocks, of which come the intervals (95 %, Student's t)
 at I = 0         the fit of friction and of 1 / solid fraction by a + b I^c over all inertial numbers of a kind, with four of them at least; its
-                 interval is from fits that leave one of the numbers out (jackknife: Efron and Tibshirani 1993, section 11.5)
+                 interval: fits of values that scatter as the blocks do (parametric bootstrap: Efron and Tibshirani 1993, section 6.5)
 """
 import os
 import sys
@@ -18,7 +18,7 @@ import numpy as np  # noqa: E402
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [os.path.join(HERE, ".."), os.path.join(HERE, "..", "..", "post", "python")]
 import scree  # noqa: E402
-from scree.intervals import mean_interval, student_quantile  # noqa: E402
+from scree.intervals import mean_interval  # noqa: E402
 from run_record import case_of, record_of, si  # noqa: E402
 
 TABLE, SVG, PNG, *NAMES = sys.argv[1:]
@@ -59,13 +59,14 @@ def fitted(numbers, values):
     return min(by(power) for power in np.linspace(0.2, 1.2, 101))[1]
 
 
-def at_zero(numbers, values):
-    """The fit, and the half width of the interval of its a."""
-    numbers, values = np.array(numbers), np.array(values)
-    fit = fitted(numbers, values)
-    n = len(numbers)
-    without = np.array([fitted(np.delete(numbers, k), np.delete(values, k))[0] for k in range(n)])
-    return fit, student_quantile(n - 1) * np.sqrt((n - 1) / n * ((without - without.mean()) ** 2).sum())
+def at_zero(numbers, samples):
+    """The fit of the means, and the half width of the interval of its a: of 400 fits of means that scatter as theirs do (parametric bootstrap)."""
+    numbers, means = np.array(numbers), np.array([np.mean(s) for s in samples])
+    errors = np.array([np.std(s, ddof=1) / np.sqrt(len(s)) for s in samples])
+    rng = np.random.default_rng(1)
+    scattered = [fitted(numbers, means + errors * rng.standard_t(BLOCKS - 1, len(means)))[0] for _ in range(400)]
+    low, high = np.quantile(scattered, (0.025, 0.975))
+    return fitted(numbers, means), 0.5 * (high - low)
 
 
 def text(values, digits):
@@ -89,8 +90,8 @@ for kind, runs in kinds.items():
         means = [mean_interval(r[key], is_signed=True) for r in runs]
         axes.errorbar(numbers, [m.value for m in means], [m.half for m in means], fmt="o", color=COLOURS[kind], markersize=4, capsize=2, linewidth=0.9, label=WORDS[kind])
     if len(runs) >= 4:
-        (mu, b, c), half = at_zero(numbers, [np.mean(r["friction"]) for r in runs])
-        (volume, e, f), half_volume = at_zero(numbers, [1 / np.mean(r["solid"]) for r in runs])
+        (mu, b, c), half = at_zero(numbers, [r["friction"] for r in runs])
+        (volume, e, f), half_volume = at_zero(numbers, [1 / np.array(r["solid"]) for r in runs])
         ends.append(f"| {WORDS[kind]} | {mu:.3f} +- {half:.3f} | {np.degrees(np.arctan(mu)):.1f} degrees | {1 / volume:.3f} +- {half_volume / volume**2:.3f} | {PUBLISHED.get(kind, '')} |")
         grid = np.geomspace(0.5 * min(numbers), 1.3 * max(numbers), 100)
         left.plot(grid, mu + b * grid**c, color=COLOURS[kind], linewidth=0.9)
