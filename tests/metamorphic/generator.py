@@ -1644,7 +1644,7 @@ def cell(d):
             stresses[axis] = d.stiffness / d.radius * 10 ** own.uniform(-6, -3)
     shears = random_numbers.Random(f"shears {d.case.note}")     # of numbers of their own: other scenes stay as they are
     for part in ("yz", "xz", "xy"):
-        kind = shears.choice(["strain_rate", "stress", "none", "none", "none"])
+        kind = shears.choice(["strain_rate", "stress", "stress", "none", "none"])
         if kind == "strain_rate":
             rates[part] = shears.choice([0.2, 1.5]) * shears.uniform(-1, 1) / d.duration
         if kind == "stress":

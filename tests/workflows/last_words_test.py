@@ -23,7 +23,7 @@ rule a:
     shell: "bash step.sh"
 rule b:
     output: "b"
-    shell: "sleep 1; echo 'scree-post: note: of b' >&2; touch b"
+    shell: "touch of_b; sleep 1; echo 'scree-post: note: of b' >&2; touch b"
 """
 MPIRUN = "-" * 74 + "\nPrimary job  terminated normally, but 1 process returned\na non-zero exit code. Per user-direction, the job has been aborted.\n"
 
@@ -124,8 +124,11 @@ assert process.wait(200) == 0, read("log")
 
 
 def on_a_terminal(step, act):
-    """The code and the output of a run on a terminal of 33 lines of 111, after act(terminal, pid) when it has its file `here`."""
-    for name in ("here", "go"):
+    """The code and the output of a run on a terminal of 33 lines of 111, after act(terminal, pid) when both steps are at work.
+
+    A step that Snakemake starts just after Ctrl-C would not know of it, and would have the last word.
+    """
+    for name in ("here", "go", "of_b"):
         if os.path.exists(os.path.join(SCRATCH, name)):
             os.remove(os.path.join(SCRATCH, name))
     words = command(step)
@@ -133,7 +136,7 @@ def on_a_terminal(step, act):
     if pid == 0:
         subprocess.run(["stty", "rows", "33", "cols", "111"], check=False)
         os.execv(words[0], words)
-    wait_for("the step", lambda: os.path.exists(os.path.join(SCRATCH, "here")))
+    wait_for("the steps", lambda: all(os.path.exists(os.path.join(SCRATCH, name)) for name in ("here", "of_b")))
     act(terminal, pid)
     said = b""
     try:
