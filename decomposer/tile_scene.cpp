@@ -23,8 +23,6 @@ Scene tile_scene(const Scene& scene, const FrameBodies& frame, const std::array<
     throw UsageError("tile: the scene has {} bonds and {} forces on bodies, which would not be repeated; tile a scene without",
                      scene.bonds.size(), scene.forces.size());
   }
-  if (!(scene.settings.domain.shear == Vec3{}))
-    throw UsageError("tile: the periodic cell of the scene is sheared, and its copies would not lie beside each other along the axes");
   Scene result = scene;
   result.partition = {};
   Wall& box = result.walls[0];

@@ -18,11 +18,13 @@ std::string cell_section(const Run& run) {
   if (log.rows() < 2 || !log.has("stress_xx")) return "<p class=\"missing\">log.csv has no rows of the cell yet.</p>\n";
   constexpr std::array<const char*, 6> kNames = {"x", "y", "z", "yz", "xz", "xy"};
   std::array<const std::vector<double>*, 6> strain{}, stress{};
+  const bool may_shear = log.has("strain_xy");  // logs of older versions have three strains
   for (std::size_t k = 0; k < 6; ++k) {
-    strain[k] = &log.column(fmt::format("strain_{}", kNames[k]));
+    if (k < 3 || may_shear) strain[k] = &log.column(fmt::format("strain_{}", kNames[k]));
     stress[k] = &log.column(fmt::format("stress_{}{}", kNames[k], k < 3 ? kNames[k] : ""));
   }
-  const bool shears = std::any_of(strain.begin() + 3, strain.end(), [](const std::vector<double>* s) { return s->back() != 0; });
+  const bool shears =
+      may_shear && std::any_of(strain.begin() + 3, strain.end(), [](const std::vector<double>* s) { return s->back() != 0; });
   const std::size_t shown = shears ? 6 : 3;
   const std::vector<double>& t = log.column("time");
   std::vector<double> volume(log.rows()), p(log.rows()), q(log.rows());
@@ -49,12 +51,14 @@ std::string cell_section(const Run& run) {
   }
   strains.lines.push_back({"of the volume", t, volume});
   const auto length = [&](const char* name) { return format_quantity(log.column(name).back(), Dimension::length); };
-  return table_of({{"Lengths at the end", length("cell_x") + ", " + length("cell_y") + ", " + length("cell_z")},
-                   {"Shears since the start", length("cell_yz") + ", " + length("cell_xz") + ", " + length("cell_xy") + " (yz, xz, xy)"},
-                   {"Solid fraction at the end", fmt::format("{:.4f}", log.column("solid_fraction").back())},
-                   {"Mean stress at the end", format_quantity(p.back(), Dimension::pressure)},
-                   {"Work of the cell on the bodies", format_quantity(log.column("cell_work").back(), Dimension::energy)}}) +
-         figure(stresses) + figure(strains) +
+  FactRows rows = {{"Lengths at the end", length("cell_x") + ", " + length("cell_y") + ", " + length("cell_z")}};
+  const auto is_sheared = [&](const char* name) { return log.column(name).back() != 0; };
+  if (may_shear && (is_sheared("cell_yz") || is_sheared("cell_xz") || is_sheared("cell_xy")))
+    rows.push_back({"Shears at the end", length("cell_yz") + ", " + length("cell_xz") + ", " + length("cell_xy") + " (yz, xz, xy)"});
+  rows.push_back({"Solid fraction at the end", fmt::format("{:.4f}", log.column("solid_fraction").back())});
+  rows.push_back({"Mean stress at the end", format_quantity(p.back(), Dimension::pressure)});
+  rows.push_back({"Work of the cell on the bodies", format_quantity(log.column("cell_work").back(), Dimension::energy)});
+  return table_of(rows) + figure(stresses) + figure(strains) +
          figure(LineChart{"Stress path", "mean stress p", "Pa", "deviator q", "Pa", false, true, {{"path", p, q}}, {}}) +
          figure(LineChart{
              "Solid fraction", "time", "s", "solid fraction", "", false, false, {{"solid fraction", t, log.column("solid_fraction")}}, {}});

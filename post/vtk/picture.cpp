@@ -466,16 +466,10 @@ namespace {
 void move_into_edges(const Periodicity& period, FrameBodies& bodies) {
   if (!period.is_sheared()) return;
   const Periodicity drawn = period.with_least_shear();
-  const Vec3 &length = drawn.period(), &shear = drawn.shear();
+  const UpperMatrix shares = inverse({drawn.period(), drawn.shear()});  // of each edge
   for (Vec3& x : bodies.position) {
-    const Vec3 in = x - drawn.lower();
-    Vec3 n;
-    n.z = std::floor(in.z / length.z);
-    const double along_z = in.z / length.z;
-    n.y = std::floor((in.y - along_z * shear.x) / length.y);
-    const double along_y = (in.y - along_z * shear.x) / length.y;
-    n.x = std::floor((in.x - along_z * shear.y - along_y * shear.z) / length.x);
-    x -= drawn.shift(n);
+    const Vec3 along = shares.times(x - drawn.lower());
+    x -= drawn.shift({std::floor(along.x), std::floor(along.y), std::floor(along.z)});
   }
 }
 

@@ -268,6 +268,23 @@ def python_and_post_read_the_cell():
     found = 0.5 * (total + total.T) / cell.volume
     assert abs(found - cell.stress).max() < 0.05 * abs(cell.stress).max(), (found, cell.stress)
     subprocess.run([os.path.join(BIN, "scree-post"), "statistics", "read.run", "-o", "read.statistics", "--no-charts"], env=ENV, check=True, capture_output=True)
+    # a run of a version without shears
+    shutil.copytree("read.run", "read-before.run")
+    for name in glob.glob("read-before.run/frame_*.hdf"):
+        with h5py.File(name, "r+") as file:
+            del file["cell/shear"], file["cell/shear_rate"]
+    with open("read.run/log.csv") as file:
+        lines = [line.rstrip("\n").split(",") for line in file]
+    kept = [k for k, name in enumerate(lines[0]) if name not in {f"{what}_{part}" for what in ("cell", "strain") for part in ("yz", "xz", "xy")}]
+    assert len(lines[0]) - len(kept) == 6
+    with open("read-before.run/log.csv", "w") as file:
+        file.writelines(",".join(line[k] for k in kept) + "\n" for line in lines)
+    before = scree.open("read-before.run").frames[-1].cell
+    assert not before.is_sheared and (before.edges == cell.edges).all()
+    subprocess.run([os.path.join(BIN, "scree-post"), "report", "read-before.run", "-o", "read-before.html"], env=ENV, check=True, capture_output=True)
+    with open("read-before.html") as file:
+        page = file.read()
+    assert "Lengths at the end" in page and "Shears at the end" not in page
     # g(r) in the cell as it is, from all pairs
     subprocess.run([os.path.join(BIN, "scree-post"), "statistics", "read.run", "-o", "read.last", "--frames", "last", "--no-charts"], env=ENV, check=True, capture_output=True)
     r, g = numpy.genfromtxt("read.last/pair_correlation.csv", delimiter=",", skip_header=2)[:, :2].T

@@ -155,7 +155,7 @@ class Periodicity:
 
     lower   its lower corner [m]
     period  length along each periodic axis [m], 0 for the others
-    shear   h_yz, h_xz, h_xy of a cell that is sheared, since the start of the run [m]; 0 in any other domain
+    shear   h_yz, h_xz, h_xy of a cell that is sheared, since it was a box [m]; 0 in any other domain
     """
 
     def __init__(self, lower: ArrayLike, period: ArrayLike, shear: ArrayLike = (0, 0, 0)) -> None:
@@ -254,7 +254,7 @@ class Cell(Periodicity):
     """The periodic cell of a frame of a scene with [cell]. Stresses are positive in compression.
 
     lower, period  lower corner and lengths of the box that its bodies lie in [m]
-    shear          h_yz, h_xz, h_xy since the start [m]
+    shear          h_yz, h_xz, h_xy since it was a box [m]
     edges          of the cell that ParaView and other readers draw, as rows [m]
     rate           (dh/dt) / h of each length [1/s]
     shear_rate     L_yz, L_xz, L_xy [1/s]
