@@ -8,7 +8,7 @@
 #
 #   STATISTICS  words for scree-post statistics, for instance "--from 2 --repose slope"; or such words for each run by its name
 #   PLOT        the quantity of the statistics that a sweep draws, for instance "angle_of_repose"
-#   PACK_INPUTS further files that the cases are made of
+#   PACK_INPUTS further files that the cases are made of: a list of all, or a list for each run by its name
 #   BESIDE      name -> (file of the case, words, files that it begins with): runs without statistics and report, which the cases begin with
 #               or are judged by
 #   RANKS       of each run, where --config has none and there is no sweep; else they are chosen as below
@@ -181,10 +181,15 @@ rule case:
     shell: "cp {params.case:q} {output:q}"
 
 
+# A run that is made of one bed alone is not made again when another bed is.
+def pack_inputs(run):
+    return PACK_INPUTS[POINTS.get(run, {}).get("case", run)] if isinstance(PACK_INPUTS, dict) else PACK_INPUTS
+
+
 rule pack:
     input:
         case=lambda wildcards: watched([case_of(wildcards)]),
-        others=lambda wildcards: watched(PACK_INPUTS),
+        others=lambda wildcards: watched(pack_inputs(wildcards.run)),
         shapes=lambda wildcards: SHAPE_FILES,
     output: "{run}.scene.h5"
     params:
@@ -192,7 +197,7 @@ rule pack:
         words=lambda wildcards: shlex.split(RUNS[wildcards.run][1]),
         # a number that is chosen when the scene is there is unknown here: the solver then divides the scene itself, once, by the same method
         ranks=["--ranks", RANKS] if RANKS else [],
-        changes=lambda wildcards: changes([case_of(wildcards), *PACK_INPUTS]),
+        changes=lambda wildcards: changes([case_of(wildcards), *pack_inputs(wildcards.run)]),
     shell: "scree-decomposer pack {params.case:q} -o {output:q} {params.ranks:q} {params.words:q}"
 
 

@@ -7,10 +7,11 @@
 //
 // A periodic cell that is sheared has the edges a = (h_xx, 0, 0), b = (h_xy, h_yy, 0), c = (h_xz, h_yz, h_zz): an upper triangular h. What
 // leaves the box of the three lengths h_xx, h_yy, h_zz through a side across y comes in shifted by h_xy along x as well, and so on: that
-// box holds one image of each point, however far the cell is sheared. So shears are those since the start, of any number of periods, and
+// box holds one image of each point, however far the cell is sheared. So shears are those since it was a box, of any number of periods, and
 // the shift of an image is one expression of them and of whole numbers: a cell that has been sheared by whole periods is the same cell, and
 // there is no moment at which it changes to another. Of any two images of a point the distance is at least the least of the three lengths
 // (those that differ in n_z are h_zz apart along z, others in n_y h_yy along y, others h_xx), so that the lengths alone bound the reach.
+// A cell without period along z has no other shear than xy.
 // Walls are not repeated: see core/storage/wall_zones.hpp.
 #pragma once
 
@@ -33,7 +34,7 @@ class Periodicity {
   }
 
   /// A periodic domain with these periods [m] about a middle; 0 of an axis that is not periodic.
-  /// in   shear   h_yz, h_xz, h_xy since the start [m]; 0 unless all axes are periodic
+  /// in   shear   h_yz, h_xz, h_xy since it was a box [m]; those with an axis that is not periodic are 0
   static Periodicity about(const Vec3& centre, const Vec3& period, const Vec3& shear = {}) {
     return at_corner(centre - 0.5 * period, period, shear);
   }
@@ -53,7 +54,7 @@ class Periodicity {
   /// Length of each periodic axis [m], 0 for others.
   const Vec3& period() const { return period_; }
   bool is_sheared() const { return is_sheared_; }
-  /// h_yz, h_xz, h_xy since the start [m].
+  /// h_yz, h_xz, h_xy since it was a box [m].
   const Vec3& shear() const { return shear_; }
   /// The same of the cell of these images that is nearest to a box: each at most half of the length that it lies along.
   Vec3 least_shear() const {
@@ -116,7 +117,7 @@ class Periodicity {
     if (!std::isfinite(x.x) || !std::isfinite(x.y) || !std::isfinite(x.z)) return {};
     const Vec3 in = x - lower_;
     Vec3 n;
-    n.z = std::floor(in.z / period_.z);
+    n.z = is_periodic(2) ? std::floor(in.z / period_.z) : 0;
     n.y = std::floor((in.y - n.z * shear_.x) / period_.y);
     n.x = std::floor((in.x - (n.z * shear_.y + n.y * shear_.z)) / period_.x);
     if (n == Vec3{}) return {};

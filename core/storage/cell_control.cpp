@@ -1,14 +1,35 @@
 // What a periodic cell that deforms does not go with.
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "core/storage/scene.hpp"
 
 namespace scree {
 
+namespace {
+
+/// Of the length of the cell: a plane lies at its end. What the same number in two units differs by is far below.
+constexpr double kAtSide = 1e-9;
+
+/// Components that change the cell along z, or shear it across z.
+constexpr std::array kWithZ = {2, 3, 4};
+
+bool is_along_z(const Vec3& normal) { return normal.x == 0 && normal.y == 0; }
+
+}  // namespace
+
 CellBlocker cell_blocker(const Settings& s) {
   const auto& periodic = s.domain.periodic;
-  if (!s.domain.bounded || !periodic[0] || !periodic[1] || !periodic[2])
-    return {"domain", "the cell is the domain, periodic in x, y and z; give domain.min, domain.max and periodic = [\"x\", \"y\", \"z\"]"};
+  if (!s.domain.bounded || !periodic[0] || !periodic[1])
+    return {"domain",
+            "the cell is the domain, periodic along x, y and z, or along x and y between two planes; give domain.min, domain.max and "
+            "periodic = [\"x\", \"y\", \"z\"]"};
+  for (const int k : kWithZ) {
+    constexpr const char* kStays = "the domain is not periodic along z: its length there stays, and it has no other shear than xy";
+    if (!periodic[2] && s.cell && s.cell->by_rate(k)) return {"cell.strain_rate", kStays};
+    if (!periodic[2] && s.cell && s.cell->by_stress(k)) return {"cell.stress", kStays};
+  }
   if (s.domain.outside == Outside::remove) return {"domain.outside", "no body can leave it; leave outside out"};
   if (!(s.gravity == Vec3{})) return {"gravity", "nothing holds up what is in it; write gravity = [0, 0, 0]"};
   if (s.sleep) return {"time.sleep", "what sleeps would not go with the cell; leave sleep out"};
@@ -22,9 +43,43 @@ CellBlocker cell_blocker(const Settings& s) {
   return {};
 }
 
+const char* cell_blocker(const Domain& cell, const Wall& wall) {
+  if (cell.periodic[2]) return "walls do not deform with it; leave them out";
+  if (wall.kind != WallKind::plane || wall.motion.moves() || wall.surface.moves() || wall.motion.drive() || !is_along_z(wall.normal))
+    return "walls do not deform with it, but for planes across z that stand still; leave others out";
+  const double side = wall.normal.z > 0 ? cell.lower.z : cell.upper.z;
+  if (!(std::abs(wall.point.z - side) <= kAtSide * (cell.upper.z - cell.lower.z)))
+    return "its planes lie at both ends of the domain along z, with normals towards each other; move the plane, or domain.min and max";
+  return nullptr;
+}
+
+namespace {
+
+/// Whether bodies rub on a wall of this material.
+bool rubs(const Scene& scene, std::int32_t material) {
+  const std::vector<std::int32_t>& of_bodies = scene.bodies.material;
+  return std::any_of(scene.pairs.begin(), scene.pairs.end(), [&](const MaterialPair& pair) {
+    if (pair.a != material && pair.b != material) return false;
+    if (!(pair.friction > 0 || pair.rolling_friction > 0 || pair.torsional_friction > 0)) return false;
+    return std::find(of_bodies.begin(), of_bodies.end(), pair.a == material ? pair.b : pair.a) != of_bodies.end();
+  });
+}
+
+}  // namespace
+
 CellBlocker cell_blocker(const Scene& scene) {
   if (const CellBlocker of_settings = cell_blocker(scene.settings); of_settings.key != nullptr) return of_settings;
-  if (!scene.walls.empty()) return {"walls", "walls do not deform with it; leave them out"};
+  bool below = scene.settings.domain.periodic[2], above = below;
+  for (const Wall& wall : scene.walls) {
+    if (const char* why = cell_blocker(scene.settings.domain, wall)) return {"walls", why};
+    if (rubs(scene, wall.material))
+      return {"pairs",
+              "bodies would rub on the planes, which do not move with it; give the planes a material of their own, without friction"};
+    (wall.normal.z > 0 ? below : above) = true;
+  }
+  if (!below || !above)
+    return {"domain",
+            "it is not periodic along z, and no plane holds the bodies at one end; give two walls of kind plane, at domain.min and max"};
   if (!scene.inlets.empty()) return {"inlets", "the momentum of all bodies together must stay 0; leave them out"};
   if (!scene.outlets.empty()) return {"outlets", "the momentum of all bodies together must stay 0; leave them out"};
   if (!scene.forces.empty()) return {"bodies.force", "the momentum of all bodies together must stay 0; leave it out"};

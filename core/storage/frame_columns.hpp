@@ -90,7 +90,7 @@ enum FrameUse : unsigned {
   column(Vec3, lower, "cell/lower", "m", "", kFileOnly, "its corner") \
   column(Vec3, upper, "cell/upper", "m", "", kFileOnly, "the opposite corner") \
   column(Vec3, rate, "cell/rate", "1/s", "", kFileOnly, "(dh/dt) / h of each length") \
-  column(Vec3, shear, "cell/shear", "m", "", kAddedLater, "h_yz, h_xz, h_xy since the start") \
+  column(Vec3, shear, "cell/shear", "m", "", kAddedLater, "h_yz, h_xz, h_xy since the cell was a box") \
   column(Vec3, shear_rate, "cell/shear_rate", "1/s", "", kAddedLater, "L_yz, L_xz, L_xy") \
   column(Vec3, normal_stress, "cell/normal_stress", "Pa", "", kFileOnly, "xx, yy, zz, positive in compression") \
   column(Vec3, shear_stress, "cell/shear_stress", "Pa", "", kFileOnly, "yz, xz, xy")

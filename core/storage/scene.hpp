@@ -252,14 +252,18 @@ struct Heat {
 /// How a periodic cell deforms, by its components (geometry/upper_matrix.hpp): at a given rate, or so that it has a given stress.
 /// Compression is positive, and of a shear what such a stress goes with: -L. A component that has neither stays.
 struct CellControl {
-  UpperMatrix strain_rate;        ///< -L [1/s]
-  UpperMatrix stress;             ///< [Pa]; 0: none is asked for
+  std::array<TimeTable, 6> strain_rate{};  ///< -L [1/s] over the time of the run; no rows: none is asked for
+  UpperMatrix stress;                      ///< [Pa], where one is asked for
+  std::array<bool, 6> is_stress_asked{};
   double stop_strain = 0;         ///< of any component that ends the run; 0: none
   double stop_stress_error = 0;   ///< the same with stop_kinetic_ratio: of all with a stress, over the largest of them
   double stop_kinetic_ratio = 0;  ///< kinetic energy over that of contacts
-  bool by_stress(int component) const { return stress[component] != 0; }
-  bool any_by_stress() const { return !(stress.diagonal == Vec3{} && stress.above == Vec3{}); }
-  bool shears() const { return !(strain_rate.above == Vec3{} && stress.above == Vec3{}); }
+  bool by_stress(int component) const { return is_stress_asked[static_cast<std::size_t>(component)]; }
+  bool any_by_stress() const { return std::find(is_stress_asked.begin(), is_stress_asked.end(), true) != is_stress_asked.end(); }
+  const TimeTable& rate(int component) const { return strain_rate[static_cast<std::size_t>(component)]; }
+  bool by_rate(int component) const { return rate(component).least() != 0 || rate(component).largest() != 0; }
+  bool changes(int component) const { return by_stress(component) || by_rate(component); }
+  bool shears() const { return changes(3) || changes(4) || changes(5); }
 };
 
 /// Settings, as the case file gives them; SI.
@@ -310,14 +314,16 @@ inline const char* frozen_blocker(const Settings& s) {
                                                     : nullptr;
 }
 
-/// What of the settings a cell that deforms does not go with: its key, and why; null: nothing.
 struct Scene;
+/// What a cell that deforms does not go with: its key, and why; null: nothing.
 struct CellBlocker {
   const char* key = nullptr;
   const char* why = "";
 };
 CellBlocker cell_blocker(const Settings& s);
-/// The same of all that a scene has besides.
+/// Of a wall; null: it is one of the two planes that a cell which is not periodic along z lies between.
+const char* cell_blocker(const Domain& cell, const Wall& wall);
+/// Of all that a scene has.
 CellBlocker cell_blocker(const Scene& scene);
 
 /// The pre-partition. Owners are with the bodies; a recursive coordinate bisection has one leaf box per rank too.

@@ -89,25 +89,12 @@ void heat_keys(KeyVisitor& k, Heat& h) {
            Dimension::length, Range::positive);
 }
 
-void strain_rate_keys(KeyVisitor& k, CellControl& c) {
-  constexpr const char* kMeaning = "of the length along this axis, `-(dh/dt) / h`: positive as it becomes shorter";
-  k.number({"x", "", kMeaning}, c.strain_rate.diagonal.x, Dimension::strain_rate, Range::any);
-  k.number({"y", "", kMeaning}, c.strain_rate.diagonal.y, Dimension::strain_rate, Range::any);
-  k.number({"z", "", kMeaning}, c.strain_rate.diagonal.z, Dimension::strain_rate, Range::any);
-  constexpr const char* kShear =
-      "of a shear, `-L` with L the change of the velocity along the first axis over the way along the second: positive where the upper "
-      "side moves backwards, as a positive shear stress asks for";
-  k.number({"yz", "", kShear}, c.strain_rate.above.x, Dimension::strain_rate, Range::any);
-  k.number({"xz", "", kShear}, c.strain_rate.above.y, Dimension::strain_rate, Range::any);
-  k.number({"xy", "", kShear}, c.strain_rate.above.z, Dimension::strain_rate, Range::any);
-}
-
 void stress_keys(KeyVisitor& k, CellControl& c) {
   constexpr const char* kMeaning = "normal stress across this axis, positive in compression";
   k.number({"x", "none", kMeaning}, c.stress.diagonal.x, Dimension::pressure, Range::positive);
   k.number({"y", "none", kMeaning}, c.stress.diagonal.y, Dimension::pressure, Range::positive);
   k.number({"z", "none", kMeaning}, c.stress.diagonal.z, Dimension::pressure, Range::positive);
-  constexpr const char* kShear = "shear stress, of either sign but not 0, of the sign of the strain rate that it brings about";
+  constexpr const char* kShear = "shear stress, of either sign, that of the strain rate which it brings about; 0: the shear moves freely";
   k.number({"yz", "none", kShear}, c.stress.above.x, Dimension::pressure, Range::any);
   k.number({"xz", "none", kShear}, c.stress.above.y, Dimension::pressure, Range::any);
   k.number({"xy", "none", kShear}, c.stress.above.z, Dimension::pressure, Range::any);
@@ -119,8 +106,10 @@ void cell_stop_keys(KeyVisitor& k, CellControl& c) {
   k.number({"stress_error", "none",
             "largest difference of a stress from its target, over the largest target; with `kinetic_ratio`, if given, both at once"},
            c.stop_stress_error, Dimension::none, Range::positive);
-  k.number({"kinetic_ratio", "none", "kinetic energy over the energy stored in contacts; with `stress_error`, if given, both at once"},
-           c.stop_kinetic_ratio, Dimension::none, Range::positive);
+  k.number(
+      {"kinetic_ratio", "none",
+       "kinetic energy of bodies that touch others, over the energy stored in their contacts; with `stress_error`, if given, both at once"},
+      c.stop_kinetic_ratio, Dimension::none, Range::positive);
 }
 
 void contact_keys(KeyVisitor& k, Settings& s) {

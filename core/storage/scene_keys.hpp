@@ -16,7 +16,6 @@ void domain_keys(KeyVisitor& k, Domain& d);
 void fluid_keys(KeyVisitor& k, Fluid& f);
 void heat_keys(KeyVisitor& k, Heat& h);
 /// Of [cell]: of each axis, and what ends the run.
-void strain_rate_keys(KeyVisitor& k, CellControl& c);
 void stress_keys(KeyVisitor& k, CellControl& c);
 void cell_stop_keys(KeyVisitor& k, CellControl& c);
 void contact_keys(KeyVisitor& k, Settings& s);

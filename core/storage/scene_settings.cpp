@@ -138,6 +138,8 @@ json inlet_json(const Inlet& inlet) {
   return j;
 }
 
+constexpr std::array<const char*, 6> kComponents = {"x", "y", "z", "yz", "xz", "xy"};
+
 CellControl read_cell(const JsonObject& o, const Settings& s) {
   CellControl cell;
   const auto read = [&](const char* name, void (*keys)(KeyVisitor&, CellControl&)) {
@@ -145,8 +147,14 @@ CellControl read_cell(const JsonObject& o, const Settings& s) {
     JsonKeyReader reader(part);
     keys(reader, cell);
   };
-  read("strain_rate", strain_rate_keys);
-  read("stress", stress_keys);
+  const JsonObject rates = o.object("strain_rate"), stress = o.object("stress");
+  for (std::size_t k = 0; k < kComponents.size(); ++k) {
+    if (rates.has(kComponents[k])) cell.strain_rate[k] = TimeTable::read(rates, kComponents[k], "rates");
+    // versions without a target of 0 wrote all, with 0 where none was asked for
+    cell.is_stress_asked[k] =
+        o.has("asked") ? stress.has(kComponents[k]) : stress.has(kComponents[k]) && stress.number(kComponents[k]) != 0;
+    if (cell.is_stress_asked[k]) cell.stress[static_cast<int>(k)] = stress.number(kComponents[k]);
+  }
   read("stop_when", cell_stop_keys);
   if (const CellBlocker blocker = cell_blocker(s); blocker.key != nullptr)
     throw InputError("{}: does not go with {}: {}; the file is damaged", o.where(), blocker.key, blocker.why);
@@ -175,8 +183,9 @@ Settings read_settings(const JsonObject& o) {
   if (domain.has("shear")) {
     s.domain.shear = domain.vector("shear");
     const auto& periodic = s.domain.periodic;
-    if (!s.domain.bounded || !periodic[0] || !periodic[1] || !periodic[2])
-      throw InputError("{}: has a shear, and not all of its axes are periodic", domain.where());
+    const bool across_z = s.domain.shear.x != 0 || s.domain.shear.y != 0;
+    if (!s.domain.bounded || !periodic[0] || !periodic[1] || (across_z && !periodic[2]))
+      throw InputError("{}: has a shear with an axis that is not periodic", domain.where());
   }
   if (o.has("fluid")) {
     const JsonObject fluid = o.object("fluid");
@@ -413,8 +422,12 @@ json settings_json(const Scene& scene) {
       JsonKeyWriter part_writer(cell[name] = json::object());
       keys(part_writer, *s.cell);
     };
-    write("strain_rate", strain_rate_keys);
-    write("stress", stress_keys);
+    cell["asked"] = true;
+    for (const char* part : {"strain_rate", "stress"}) cell[part] = json::object();
+    for (std::size_t k = 0; k < kComponents.size(); ++k) {
+      if (!s.cell->strain_rate[k].value.empty()) cell["strain_rate"][kComponents[k]] = s.cell->strain_rate[k].json();
+      if (s.cell->is_stress_asked[k]) cell["stress"][kComponents[k]] = s.cell->stress[static_cast<int>(k)];
+    }
     write("stop_when", cell_stop_keys);
   }
   j["materials"] = json::array();

@@ -178,7 +178,9 @@ void check_cell(const CaseTable& t, const Case& c) {
   if (!c.settings.cell) return;
   const auto refuse = [](const std::string& where, const char* why) { throw UsageError("{}: does not go with [cell]: {}", where, why); };
   constexpr const char* kMomentum = "the momentum of all bodies together must stay 0; leave out one of both";
-  if (!c.walls.empty()) refuse(c.walls.front().where, "walls do not deform with it; leave out one of both");
+  for (const CaseWall& wall : c.walls) {
+    if (const char* why = cell_blocker(c.settings.domain, wall.wall)) refuse(wall.where, why);
+  }
   if (!c.inlets.empty()) refuse(c.inlets.front().where, kMomentum);
   if (!c.outlets.empty()) throw t.error("outlets", fmt::format("does not go with [cell]: {}", kMomentum));
   if (!c.bonds.empty()) throw t.error("bonds", "does not go with [cell]: forces of bonds are not part of the stress that it measures");

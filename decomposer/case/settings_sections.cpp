@@ -86,24 +86,32 @@ void contact_section(CaseKeys& k, Case& c) {
 
 /// Returns where it is, for what it does not go with, which is known later.
 std::string cell_section(CaseKeys& k, CellControl& cell) {
-  k.section({"strain_rate", "none"}, [&](CaseKeys& below) { strain_rate_keys(below, cell); });
-  const UpperMatrix rate = cell.strain_rate;
+  constexpr const char* kNames[6] = {"x", "y", "z", "yz", "xz", "xy"};
+  k.section({"strain_rate", "none"}, [&](CaseKeys& below) {
+    for (std::size_t c = 0; c < 6; ++c) {
+      constexpr const char* kLength = "of the length along this axis, `-(dh/dt) / h`: positive as it becomes shorter; or a table";
+      constexpr const char* kShear =
+          "of a shear, `-L` with L the change of the velocity along the first axis over the way along the second: positive where the upper "
+          "side moves backwards, as a positive shear stress asks for; or a table";
+      over_time_key(below, {kNames[c], "0", c < 3 ? kLength : kShear}, "of the run, ascending", "rate", "rates", Dimension::strain_rate,
+                    Range::any, cell.strain_rate[c]);
+    }
+  });
   k.section({"stress", "none"}, [&](CaseKeys& below) {
     stress_keys(below, cell);
-    constexpr const char* kNames[6] = {"x", "y", "z", "yz", "xz", "xy"};
     for (int c = 0; below.table() != nullptr && c < 6; ++c) {
       const char* name = kNames[c];
-      if (cell.by_stress(c) && rate[c] != 0) throw below.table()->error(name, "has a strain_rate as well; an axis follows one of both");
-      if (c >= 3 && below.table()->has(name) && !cell.by_stress(c))
-        throw below.table()->error(name,
-                                   "0 as the target of a shear stress is not supported; give one that is not 0, or leave it out: "
-                                   "a shear that has none stays as it is");
+      cell.is_stress_asked[static_cast<std::size_t>(c)] = below.table()->has(name);
+      if (cell.by_stress(c) && cell.by_rate(c)) throw below.table()->error(name, "has a strain_rate as well; an axis follows one of both");
     }
   });
   k.section({"stop_when", "the run ends at `time.duration`"}, [&](CaseKeys& below) {
     cell_stop_keys(below, cell);
     if (below.table() != nullptr && cell.stop_stress_error > 0 && !cell.any_by_stress())
       throw below.table()->error("stress_error", "no axis has a target; give one in cell.stress, or leave stress_error out");
+    if (below.table() != nullptr && cell.stop_stress_error > 0 && cell.stress.diagonal == Vec3{} && cell.stress.above == Vec3{})
+      throw below.table()->error(
+          "stress_error", "is a share of the largest target in cell.stress, and all are 0; give another target, or leave stress_error out");
   });
   return k.table() == nullptr ? std::string() : k.table()->where();
 }

@@ -74,6 +74,7 @@ class Builder {
     for (std::size_t s = 0; s < case_.shapes.size(); ++s) cut_here(s);
     cut_bodies(case_, parts_, pieces_, scene(), report());
     check_outlets();
+    check_cell();
     if (parts_.carried) out_.start = start_of(parts_.carried->from, scene(), parts_.carried->wall_partner);
     fill_report();
     report().facets = facets_of_walls(parts_, scene());
@@ -469,6 +470,12 @@ class Builder {
           fmt::format("{}: {} of the bodies that the scene starts with lie in the outlet '{}' and are taken out at once",
                       case_.outlets[k].where, inside, case_.outlets[k].name));
     }
+  }
+
+  void check_cell() const {
+    if (!case_.settings.cell) return;
+    if (const CellBlocker blocker = cell_blocker(out_.scene); blocker.key != nullptr)
+      throw UsageError("{}: {} does not go with [cell]: {}", case_.path, blocker.key, blocker.why);
   }
 
   void check_none_is_empty(const Placements& placements) const {

@@ -15,9 +15,12 @@ std::int32_t BodyRows::operator()(std::int64_t id) const {
 }
 
 Periodicity periodicity_of(const Scene& scene, const Frame& frame) {
-  if (frame.cell.size() > 0)
-    return Periodicity::at_corner(frame.cell.lower[0], frame.cell.upper[0] - frame.cell.lower[0], frame.cell.shear[0]);
   const Domain& domain = scene.settings.domain;
+  if (frame.cell.size() > 0) {
+    Vec3 period = frame.cell.upper[0] - frame.cell.lower[0];
+    if (!domain.periodic[2]) period.z = 0;  // between planes
+    return Periodicity::at_corner(frame.cell.lower[0], period, frame.cell.shear[0]);
+  }
   return domain.bounded ? periodicity_of(domain) : Periodicity();
 }
 

@@ -64,9 +64,10 @@ struct SceneFacts {
   /// The same of a cell that is sheared: which images along one axis meet a region depends on those along the later ones.
   template <class Visit>
   void for_each_image_in_sheared(const Box3& box, const Visit& visit) const {
-    const auto range = [&](int k, const Vec3& shift) {
+    const auto range = [&](int k, const Vec3& shift) -> std::pair<double, double> {
+      if (!period.is_periodic(k)) return {0, 0};
       const double from = cell_lower[k] + shift[k], length = period.period()[k];
-      return std::pair{std::floor((box.lower[k] - from) / length) - 1, std::floor((box.upper[k] - from) / length) + 1};
+      return {std::floor((box.lower[k] - from) / length) - 1, std::floor((box.upper[k] - from) / length) + 1};
     };
     const auto [first_z, last_z] = range(2, {});
     for (double z = first_z; z <= last_z; ++z) {

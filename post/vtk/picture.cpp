@@ -426,9 +426,9 @@ vtkSmartPointer<vtkActor> edge_actor(vtkPolyDataMapper* mapper) {
   return lines;
 }
 
-void add_cell(vtkRenderer* renderer, const Periodicity& cell) {
+void add_cell(vtkRenderer* renderer, const FrameCell& cell, const Periodicity& period) {
   vtkNew<vtkPolyDataMapper> mapper;
-  mapper->SetInputData(vtk_cell(cell));
+  mapper->SetInputData(vtk_cell(cell, period));
   renderer->AddActor(edge_actor(mapper));
 }
 
@@ -466,10 +466,12 @@ namespace {
 void move_into_edges(const Periodicity& period, FrameBodies& bodies) {
   if (!period.is_sheared()) return;
   const Periodicity drawn = period.with_least_shear();
-  const UpperMatrix shares = inverse({drawn.period(), drawn.shear()});  // of each edge
+  const bool is_flat = !drawn.is_periodic(2);
+  const Vec3 lengths{drawn.period().x, drawn.period().y, is_flat ? 1 : drawn.period().z};
+  const UpperMatrix shares = inverse({lengths, drawn.shear()});  // of each edge
   for (Vec3& x : bodies.position) {
     const Vec3 along = shares.times(x - drawn.lower());
-    x -= drawn.shift({std::floor(along.x), std::floor(along.y), std::floor(along.z)});
+    x -= drawn.shift({std::floor(along.x), std::floor(along.y), is_flat ? 0 : std::floor(along.z)});
   }
 }
 
@@ -549,7 +551,7 @@ Image draw_frame(const Run& run, const Frame& given, const PictureOptions& optio
   if (look.network) add_network(renderer, frame, run.scene, look, cut);
   if (!look.bonds.empty()) add_bond_faces(renderer, frame, run.scene, look, look.range.value_or(std::pair{0.0, 1.0}), cut);
   if (look.walls) add_walls(renderer, frame, run.scene, stage.room);
-  if (look.walls && given.cell.size() > 0) add_cell(renderer, periodicity_of(run.scene, given));
+  if (look.walls && given.cell.size() > 0) add_cell(renderer, given.cell, periodicity_of(run.scene, given));
   if (look.time) add_time(renderer, frame.time, look.height);
   if (look.network || !look.bonds.empty()) {  // ghosts need their true order in overlap
     renderer->SetUseDepthPeeling(1);

@@ -315,8 +315,9 @@ void write_network_vtp(const std::string& path, const Frame& frame, const Period
   write(path, data);
 }
 
-vtkSmartPointer<vtkPolyData> vtk_cell(const Periodicity& period) {
-  const Periodicity least = period.with_least_shear();
+vtkSmartPointer<vtkPolyData> vtk_cell(const FrameCell& cell, const Periodicity& period) {
+  // one that is not periodic along z ends there at planes
+  const Periodicity least = Periodicity::at_corner(cell.lower[0], cell.upper[0] - cell.lower[0], period.least_shear());
   std::vector<Vec3> corners;  // bit k of its number: beyond the side along axis k; an edge joins two corners that differ in one bit
   std::vector<std::size_t> ends;
   for (std::size_t c = 0; c < 8; ++c) {
@@ -337,7 +338,7 @@ vtkSmartPointer<vtkPolyData> vtk_cell(const Periodicity& period) {
 }
 
 void write_cell_vtp(const std::string& path, const FrameCell& cell, const Periodicity& period) {
-  const auto data = vtk_cell(period);
+  const auto data = vtk_cell(cell, period);
   data->GetFieldData()->AddArray(
       array_of<vtkDoubleArray>("normal_stress", 1, 3, [&](std::size_t, int c) { return cell.normal_stress[0][c]; }));
   data->GetFieldData()->AddArray(

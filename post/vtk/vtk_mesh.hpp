@@ -19,6 +19,6 @@ vtkSmartPointer<vtkPolyData> vtk_walls(const Scene& scene, const std::vector<Tri
 vtkSmartPointer<vtkPolyData> vtk_bonds(const std::vector<BondFace>& faces);
 
 /// The twelve edges of a periodic cell as lines: of all cells with its images the one that is sheared least.
-vtkSmartPointer<vtkPolyData> vtk_cell(const Periodicity& period);
+vtkSmartPointer<vtkPolyData> vtk_cell(const FrameCell& cell, const Periodicity& period);
 
 }  // namespace scree

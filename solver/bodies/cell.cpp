@@ -21,10 +21,21 @@ UpperMatrix growth_by(const UpperMatrix& z) {
 }  // namespace
 
 void Cell::begin(const UpperMatrix& edges, const UpperMatrix& remainder) {
-  if (!deforms_) centre_ = periodicity_.lower() + 0.5 * periodicity_.period();
+  if (!deforms_) {
+    Vec3 first = periodicity_.period();
+    if (!periodicity_.is_periodic(2)) first.z = edges.diagonal.z;
+    centre_ = periodicity_.lower() + 0.5 * first;
+  }
   deforms_ = true;
-  periodicity_ = Periodicity::about(centre_, edges.diagonal, edges.above);
+  set_edges(edges);
   remainder_ = remainder;
+}
+
+void Cell::set_edges(const UpperMatrix& edges) {
+  edges_ = edges;
+  Vec3 period = edges.diagonal;
+  if (!periodicity_.is_periodic(2)) period.z = 0;
+  periodicity_ = Periodicity::at_corner(centre_ - 0.5 * edges.diagonal, period, edges.above);
 }
 
 void Cell::deform(const UpperMatrix& rate, double dt) {
@@ -35,10 +46,10 @@ void Cell::deform(const UpperMatrix& rate, double dt) {
     taken_.diagonal[k] = growth_.diagonal[k] / (1 + growth_.diagonal[k]);
     rate_of_step_.diagonal[k] = growth_.diagonal[k] / ((1 + growth_.diagonal[k]) * dt);
   }
-  UpperMatrix now = edges();
+  UpperMatrix now = edges_;
   const UpperMatrix change = growth_ * now;
   for (int k = 0; k < 6; ++k) add_keeping_rest(change[k], now[k], remainder_[k]);
-  periodicity_ = Periodicity::about(centre_, now.diagonal, now.above);
+  set_edges(now);
 }
 
 }  // namespace scree

@@ -36,11 +36,11 @@ class Cell {
 
   /// From now on it deforms about its middle; with these edges [m], less what rounding took from them.
   void begin(const UpperMatrix& edges, const UpperMatrix& remainder);
-  /// h [m], of a cell that deforms, sheared since the start.
-  UpperMatrix edges() const { return {periodicity_.period(), periodicity_.shear()}; }
+  /// h [m], of a cell that deforms, sheared since it was a box. One that is not periodic along z ends there at planes: h_zz stays.
+  const UpperMatrix& edges() const { return edges_; }
   const UpperMatrix& remainder() const { return remainder_; }
   void set_rate(const UpperMatrix& rate) { rate_ = rate; }
-  double volume() const { return periodicity_.period().x * periodicity_.period().y * periodicity_.period().z; }
+  double volume() const { return edges_.diagonal.x * edges_.diagonal.y * edges_.diagonal.z; }
 
   /// A step with this rate in its middle [1/s]. Its bodies follow in carry_with_cell() (bodies/cell_motion.hpp).
   void deform(const UpperMatrix& rate, double dt);
@@ -50,7 +50,10 @@ class Cell {
   const Vec3& centre() const { return centre_; }
 
  private:
+  void set_edges(const UpperMatrix& edges);
+
   Periodicity periodicity_;
+  UpperMatrix edges_;                // [m]
   Vec3 centre_;                      // [m]
   UpperMatrix remainder_;            // [m]
   UpperMatrix rate_, rate_of_step_;  // [1/s]

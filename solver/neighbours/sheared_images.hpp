@@ -24,6 +24,7 @@ void for_each_across_sheared(const MultilevelGrid& grid, const Periodicity& cell
     grid.for_each_touching(image, reach, visit);
   };
   in_image(1, 0);
+  if (!cell.is_periodic(2)) return;
   // the shear yz is of any number of periods; back in the box, or up to half a period beyond it, are these three
   const double back = -std::round(cell.shear().x / cell.period().y);
   for (const double n_y : {back - 1, back, back + 1}) in_image(n_y, 1);

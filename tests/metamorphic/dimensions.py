@@ -78,6 +78,7 @@ DIMENSIONS = {
     "walls.*.shape.sphere_inside.centre": (1, 0, 0), "walls.*.shape.sphere_inside.radius": (1, 0, 0),
     **{f"cell.strain_rate.{part}": (0, 0, -1) for part in ("x", "y", "z", "yz", "xz", "xy")},
     **{f"cell.stress.{part}": (-1, 1, -2) for part in ("x", "y", "z", "yz", "xz", "xy")},
+    **{f"cell.strain_rate.{part}.{key}": (0, 0, power) for part in ("x", "y", "z", "yz", "xz", "xy") for key, power in (("time", 1), ("rate", -1))},
     "output.every": (0, 0, 1), "output.checkpoint": (0, 0, 1),
     # temperatures keep their unit
     "materials.*.heat_capacity": (2, 0, -2), "materials.*.conductivity": (1, 1, -3), "materials.*.real_young": (-1, 1, -2),

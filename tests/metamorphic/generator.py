@@ -1609,13 +1609,32 @@ def gas_and_stillness(d, own, table):
         table["friction_heat"] = False
 
 
+def between_planes(d, rates, stresses):
+    """The cell is periodic along x and y alone: smooth planes hold the bodies along z."""
+    words, domain = d.words, d.words["domain"]
+    domain["periodic"] = ["x", "y"]
+    for part in ("z", "yz", "xz"):
+        rates.pop(part, None)
+        stresses.pop(part, None)
+    bodies = sorted(words["materials"])
+    smooth = {key: value for key, value in words["materials"][bodies[0]].items() if key in ("density", "young", "poisson")}
+    words["materials"]["smooth plane"] = smooth
+    for name in bodies:
+        pair = next(copy.deepcopy(p) for p in words["pairs"] if p["between"] == [name, name])
+        for key in [key for key in pair if "friction" in key or "rolling" in key or "torsional" in key]:
+            pair.pop(key)
+        words["pairs"].append({**pair, "between": [name, "smooth plane"], "friction": 0.0})
+    words["walls"] = [{"name": name, "shape": {"plane": {"point": [0.0, 0.0, domain[side][2]], "normal": [0.0, 0.0, normal]}}, "material": "smooth plane"}
+                      for name, side, normal in (("lower plane", "min", 1.0), ("upper plane", "max", -1.0))]
+
+
 @feature
 def cell(d):
     """The periodic cell deforms, in some scenes, which then have no walls. From numbers of its own, as surfaces. Each axis changes by a tenth at
     most, or is pressed by some thousandths of what its contacts can bear."""
     own = random_numbers.Random(f"cell {d.case.note}")
     words, time = d.words, d.words["time"]
-    if own.random() < (0.85 if d.case.walls else 0.3) or any(words.get(key) for key in ("inlets", "outlets", "bonds", "fluid", "heat", "populations", "start")):
+    if own.random() < (0.7 if d.case.walls else 0.3) or any(words.get(key) for key in ("inlets", "outlets", "bonds", "fluid", "heat", "populations", "start")):
         return
     if any(body.get("fixed") or body.get("force") for body in words["bodies"]) or any("pieces" in shape for shape in words["shapes"].values()):
         return
@@ -1644,18 +1663,28 @@ def cell(d):
             stresses[axis] = d.stiffness / d.radius * 10 ** own.uniform(-6, -3)
     shears = random_numbers.Random(f"shears {d.case.note}")     # of numbers of their own: other scenes stay as they are
     for part in ("yz", "xz", "xy"):
-        kind = shears.choice(["strain_rate", "stress", "stress", "none", "none"])
+        kind = shears.choice(["strain_rate", "strain_rate", "stress", "stress", "none"])
         if kind == "strain_rate":
             rates[part] = shears.choice([0.2, 1.5]) * shears.uniform(-1, 1) / d.duration
         if kind == "stress":
             stresses[part] = shears.choice([-1, 1]) * d.stiffness / d.radius * 10 ** shears.uniform(-7, -4)
+    later = random_numbers.Random(f"rates over time {d.case.note}")
+    for part, rate in rates.items():
+        if later.random() < 0.5:     # to and fro
+            rates[part] = {"time": [0.0, 0.4 * d.duration, later.uniform(0.5, 0.9) * d.duration], "rate": [rate, rate, -later.uniform(0, 1) * rate]}
+    for part in [part for part in stresses if len(part) == 2]:
+        if later.random() < 0.25:
+            stresses[part] = 0.0
+    layer = random_numbers.Random(f"layer {d.case.note}")
+    if layer.random() < 0.25:
+        between_planes(d, rates, stresses)
     if rates:
         table["strain_rate"] = rates
     if stresses:
         table["stress"] = stresses
     if own.random() < 0.4:
         table["stop_when"] = {"strain": own.uniform(0.01, 0.2)}
-        if stresses and own.random() < 0.5:
+        if stresses and own.random() < 0.5 and any(stresses.values()):
             table["stop_when"]["stress_error"] = own.uniform(0.01, 0.5)
         if own.random() < 0.5:
             table["stop_when"]["kinetic_ratio"] = own.uniform(0.01, 10)

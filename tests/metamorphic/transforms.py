@@ -142,6 +142,8 @@ def placed(case, how):
         words["domain"]["min"], words["domain"]["max"] = how.box([words["domain"]["min"], words["domain"]["max"]])
         if "periodic" in words["domain"]:
             words["domain"]["periodic"] = [how.axis(name) for name in words["domain"]["periodic"]]
+            if "cell" in words and sorted(words["domain"]["periodic"]) not in (["x", "y"], ["x", "y", "z"]):
+                raise NotApplicable("planes of a cell are across z")
     for key in ("strain_rate", "stress"):
         if key in words.get("cell", {}):
             words["cell"][key] = placed_cell(words["cell"][key], how)
@@ -171,7 +173,8 @@ def placed_cell(part, how):
         if to not in ("yz", "xz", "xy"):
             raise NotApplicable("a shear of the cell would be below the diagonal")
         turned = [how.matrix["xyz".index(new), "xyz".index(old)] for new, old in zip(to, name)]
-        found[to] = value * float(turned[0] * turned[1])
+        sign = float(turned[0] * turned[1])
+        found[to] = {**value, "rate": [sign * rate for rate in value["rate"]]} if isinstance(value, dict) else sign * value
     return found
 
 

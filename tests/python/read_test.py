@@ -91,6 +91,7 @@ every = "5 ms"
         lengths = 0.1 * np.exp(np.array([-3, 2, 0]) * frame.time)
         self.assertLess(np.abs(cell.period / lengths - 1).max(), 1e-12)
         self.assertLess(np.abs(cell.upper - cell.lower - lengths).max(), 1e-13)
+        np.testing.assert_array_equal(cell.lengths, cell.period)
         self.assertAlmostEqual(cell.volume, lengths.prod(), delta=1e-12 * lengths.prod())
         np.testing.assert_array_equal(cell.rate, [-3, 2, 0])
         # nothing touches: the stress is that of the motion along x, two bodies whose velocity falls as the cell grows

@@ -77,7 +77,7 @@ def end_of(folder):
     return {name: value.tolist() for name, value in found.items()}
 
 
-def the_same(name, text):
+def the_same(name, text, touching=20):
     pack(name, text)
     kept = None
     for ranks, threads in ((1, 1), (1, 2), (2, 1), (3, 1)):
@@ -87,7 +87,7 @@ def the_same(name, text):
         kept = kept or found
         assert found == kept, f"{folder}: another run than on one rank"
     contacts = column(f"{name}1t1.run", "contacts")
-    assert contacts[-1] > 20, contacts
+    assert contacts.max() > touching, contacts
     assert column(f"{name}1t1.run", "stress_zz")[-1] > 0
     killed = f"{name}-killed.run"
     shutil.copytree(f"{name}3t1.run", killed)
@@ -122,6 +122,22 @@ def the_same_bits_of_rocks_in_a_sheared_cell():
     make_rock()
     the_same("sheared-rocks", words(shapes="{ ball = 1, rock = 2 }", duration=0.016, checkpoint=0.008, every=0.004,
                                     cell='strain_rate = { x = 8, y = 8, z = 8, xy = 60, yz = -50 }\nstress = { xz = "-500 Pa" }'))
+
+
+def the_same_bits_of_rates_by_tables_and_a_shear_without_stress():
+    """To and fro: killed and restarted where the rate changes."""
+    cell = 'strain_rate = { xy = { time = [0, 0.012, 0.018, 0.03], rate = [34, 34, "-34 1/s", 10] }, x = 4 }\nstress = { z = "4 kPa", yz = 0 }'
+    the_same("tables", words(cell=cell))
+    strain, time = column("tables1t1.run", "strain_xy"), column("tables1t1.run", "time")
+    grid = numpy.linspace(0, time[-1], 40001)
+    rate = numpy.interp(grid, [0, 0.012, 0.018, 0.03], [34, 34, -34, 10])
+    expected = numpy.interp(time, grid, numpy.concatenate([[0], numpy.cumsum(0.5 * (rate[1:] + rate[:-1]) * numpy.diff(grid))]))
+    assert abs(strain - expected).max() < 1e-6 * abs(expected).max(), (strain, expected)
+    assert abs(column("tables1t1.run", "strain_yz")).max() > 0
+    late = time > 0.5 * time[-1]
+    assert abs(column("tables1t1.run", "stress_yz")[late].mean()) < 0.1 * column("tables1t1.run", "stress_zz")[late].mean()
+    said = run(1, "tables.scene.h5", "--plan").stdout
+    assert "sheared xy at -34 to 34 1/s by a table" in said and "sheared yz, moves to 0 Pa" in said, said
 
 
 def lists_and_ghosts_of_a_sheared_cell_never_change_a_result():
@@ -191,6 +207,94 @@ def a_case_begins_in_a_sheared_cell():
     size, half = column("shear-on.run", "cell_xy")[-1], column("shear-on.run", "cell_xy")[0]
     assert abs(column("shear-back.run", "cell_xy")[-1] - half) < 1e-12 * abs(size)
     assert "cannot be added" in pack("shear-more", whole, expect=2)
+
+
+def flat(text, height=0.0105):
+    """The same case as a layer between two smooth planes; balls alone fit into it."""
+    planes = "".join(f'[[walls]]\nshape = {{ plane = {{ point = [0, 0, {z}], normal = [0, 0, {n}] }} }}\nmaterial = "plane"\n' for z, n in ((0, 1), (height, -1)))
+    pair = '[materials.plane]\ndensity = 2500\n[[pairs]]\nbetween = ["stone", "plane"]\nstiffness = 2e4\nrestitution = 0.4\nfriction = 0\n'
+    text = text.replace('["x", "y", "z"]', '["x", "y"]').replace("0.08, 0.07]", f"0.08, {height}]").replace("0.045, 0.035]", f"0.045, {height / 2}]")
+    text = text.replace("velocity = [0.3, 0.1, -0.2]", "velocity = [0.3, 0.1, 0]").replace("velocity = [-1, 0.5, 2]", "velocity = [-1, 0.5, 0.1]")
+    return text.replace("[[populations]]", pair + planes + "[[populations]]")
+
+
+FLAT = 'strain_rate = { xy = 34, x = 4 }\nstress = { y = "4 kPa" }'
+
+
+def the_same_bits_of_a_layer_between_planes():
+    """Periodic along x and y alone, through more than a period of the shear."""
+    the_same("layer", flat(words(cell=FLAT, count=30)), touching=10)
+    assert abs(column("layer1t1.run", "cell_xy")[-1]) > 0.9 * column("layer1t1.run", "cell_x")[-1]
+    assert (column("layer1t1.run", "cell_z") == 0.0105).all()
+    v = numpy.array(end_of("layer1t1.run")["v"])
+    assert abs(v[:, 2]).max() > 0        # the planes hold bodies that move along z
+    # what leaves balance and momentum: the planes do no work, and what they take from the momentum is along z
+    error = abs(column("layer1t1.run", "energy_error")).max() / abs(column("layer1t1.run", "cell_work")).max()
+    assert error < 0.01, error
+    sys.path.insert(0, os.path.join(HERE, "..", "..", "post", "python"))
+    import scree
+    frames = scree.open("layer1t1.run").frames
+    frame, cell = frames[-1], frames[-1].cell
+    assert list(frame.periodicity.period > 0) == [True, True, False] and cell.lengths[2] == cell.upper[2] - cell.lower[2] and abs(cell.lengths[2] - 0.0105) < 1e-15
+    assert abs(cell.volume / numpy.prod([column("layer1t1.run", f"cell_{a}")[-1] for a in "xyz"]) - 1) < 1e-12
+    assert cell.edges[2].tolist() == [0, 0, cell.lengths[2]], cell.edges
+    across = pressed = 0
+    for frame in frames:
+        x, rows, c = frame.bodies.position, {int(n): k for k, n in enumerate(frame.bodies.id)}, frame.contacts
+        for k in range(len(c)):
+            if int(c.body_b[k]) not in rows or int(c.body_a[k]) not in rows:
+                pressed += 1
+                continue
+            d = x[rows[int(c.body_a[k])]] - x[rows[int(c.body_b[k])]]
+            near = frame.periodicity.nearest(d[None])[0]
+            across += abs(near - d).max() > 0.01
+            assert abs(numpy.linalg.norm(near) - (0.01 - c.overlap[k])) < 1e-12, (near, c.overlap[k])
+    assert across > 3 and pressed > 0, (across, pressed)
+    # a picture, statistics and ParaView files of it
+    for tool in (["picture", "layer1t1.run", "-o", "layer.png"], ["statistics", "layer1t1.run", "-o", "layer.statistics", "--no-charts"], ["vtk", "layer1t1.run", "-o", "layer.vtk"],
+                 ["report", "layer1t1.run", "-o", "layer.html"]):
+        subprocess.run([os.path.join(BIN, "scree-post"), *tool], env=ENV, check=True, capture_output=True)
+    said = run(1, "layer.scene.h5", "--plan").stdout
+    assert "along z, between planes" in said, said
+
+
+def a_case_begins_in_a_sheared_layer():
+    first = flat(words(cell="strain_rate = { xy = 34, x = 8 }", count=30, duration=0.02, every=0.005, checkpoint=0.02))
+    pack("layer-first", first)
+    run(1, "layer-first.scene.h5", "-o", "layer-first.run")
+    text = first[:first.index("[[populations]]")] + first[first.index("[output]"):]
+    for shape in ("[shapes.ball]", "[shapes.rock]"):
+        begin = text.index(shape)
+        text = text.replace(text[begin:text.index("[", begin + 1)], "")
+    pack("layer-back", text.replace("[domain]", '[start]\nrun = "layer-first.run"\n[domain]').replace("xy = 34, x = 8", "xy = -34, x = -8"))
+    run(2, "layer-back.scene.h5", "-o", "layer-back.run")
+    assert column("layer-back.run", "cell_xy")[0] == column("layer-first.run", "cell_xy")[-1] != 0
+    assert abs(column("layer-back.run", "cell_xy")[-1]) < 1e-12 * abs(column("layer-back.run", "cell_xy")[0])
+    for name in ("elastic", "kinetic_translational", "solid_fraction"):
+        first, then = column("layer-first.run", name)[-1], column("layer-back.run", name)[0]
+        assert first != 0 and abs(then - first) < 1e-9 * abs(first), (name, first, then)
+
+
+def mistakes_with_planes_are_told():
+    base = flat(words(cell=FLAT, count=5))
+    top = base[base.index("[[walls]]", base.index("[[walls]]") + 1):base.index("[[populations]]")]
+    wrong = [
+        ("one", base.replace(top, ""), ["wrong.toml", "domain", "no plane holds"]),
+        ("inside", base.replace("point = [0, 0, 0.0105]", "point = [0, 0, 0.0104]"), ["walls[1]", "both ends of the domain along z"]),
+        ("tilted", base.replace("normal = [0, 0, -1]", "normal = [0.1, 0, -1]"), ["walls[1]", "planes across z"]),
+        ("moving", base.replace('material = "plane"\n[[populations]]', 'material = "plane"\nmotion = { translate = { velocity = [0, 0, 1] } }\n[[populations]]'), ["walls[1]", "stand still"]),
+        ("rough", base.replace("friction = 0\n", "friction = 0.1\n"), ["pairs", "rub on the planes"]),
+        ("pressed", base.replace('y = "4 kPa"', 'y = "4 kPa", z = "4 kPa"'), ["cell.stress", "not periodic along z"]),
+        ("thinner", base.replace("x = 4 }", "z = 4 }"), ["cell.strain_rate", "not periodic along z"]),
+        ("across", base.replace("xy = 34", "yz = 34"), ["cell.strain_rate", "no other shear than xy"]),
+        ("along-x", base.replace('["x", "y"]', '["y"]'), ["cell", "domain", "periodic"]),
+    ]
+    for name, text, expected in wrong:
+        assert text != base, name
+        said = pack("wrong", text, expect=2)
+        for word in expected:
+            assert word in said, f"{name}: no '{word}' in {said}"
+    pack("good-layer", base)
 
 
 def lists_and_ghosts_never_change_a_result():
@@ -354,7 +458,11 @@ def mistakes_are_told_with_their_line():
         ("target", base.replace('stress = { z = "4 kPa" }', "stop_when = { stress_error = 0.1 }"), ["stress_error", "no axis has a target"]),
         ("negative", base.replace('"4 kPa"', '"-4 kPa"'), ["stress.z", "> 0"]),
         ("both-shears", base.replace("x = 6, y = 4 }", "xy = 6 }").replace("z = ", "xy = "), ["stress.xy", "strain_rate as well"]),
-        ("zero-shear", base.replace('{ z = "4 kPa" }', '{ z = "4 kPa", xz = 0 }'), ["stress.xz", "0 as the target"]),
+        ("zero-alone", base.replace('stress = { z = "4 kPa" }', "stress = { xz = 0 }\nstop_when = { stress_error = 0.1 }"), ["stress_error", "all are 0"]),
+        ("zero-length", base.replace('"4 kPa"', '0'), ["stress.z", "> 0"]),
+        ("rows", base.replace("x = 6, ", "x = { time = [0, 0.01], rate = [6] }, "), ["strain_rate.x", "2 times and 1 rates"]),
+        ("times", base.replace("x = 6, ", "x = { time = [0.01, 0], rate = [6, 4] }, "), ["strain_rate.x", "ascend"]),
+        ("table-and-stress", base.replace("x = 6, ", "z = { time = [0, 0.01], rate = [6, 4] }, "), ["stress.z", "strain_rate as well"]),
         ("unknown-shear", base.replace("x = 6, y = 4 }", "yx = 6 }"), ["yx"]),
         ("unknown", base.replace("strain_rate", "strain_rat"), ["strain_rat", "strain_rate"]),
     ]
@@ -369,8 +477,8 @@ def mistakes_are_told_with_their_line():
 
 if __name__ == "__main__":
     main([the_same_bits_of_a_sheared_cell_on_any_ranks_and_threads_and_after_a_restart, the_same_bits_of_rocks_in_a_sheared_cell,
-          lists_and_ghosts_of_a_sheared_cell_never_change_a_result, post_and_python_read_a_sheared_cell,
-          a_case_begins_in_a_sheared_cell, the_same_bits_on_any_ranks_and_threads_and_after_a_restart, the_same_bits_of_rocks_on_any_ranks_and_after_a_restart,
+          the_same_bits_of_rates_by_tables_and_a_shear_without_stress, lists_and_ghosts_of_a_sheared_cell_never_change_a_result, post_and_python_read_a_sheared_cell,
+          a_case_begins_in_a_sheared_cell, the_same_bits_of_a_layer_between_planes, a_case_begins_in_a_sheared_layer, mistakes_with_planes_are_told, the_same_bits_on_any_ranks_and_threads_and_after_a_restart, the_same_bits_of_rocks_on_any_ranks_and_after_a_restart,
           lists_and_ghosts_never_change_a_result, the_momentum_is_taken_and_stays_zero, a_run_ends_at_what_was_asked_for,
           a_cell_that_becomes_too_thin_ends_the_run, python_and_post_read_the_cell, the_plan_says_what_each_axis_does,
           mistakes_are_told_with_their_line])

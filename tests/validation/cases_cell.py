@@ -113,12 +113,14 @@ def work_of_the_cell(tools, report, name, cell, least_ratio):
     """The energy balance of a gas in this cell at three steps; least_ratio is that of the errors of the largest and of the least."""
     for words, more in (("elastic", {}), ("with friction and damping", {"restitution": 0.6, "friction": 0.4})):
         errors = []
-        for step in (2e-5, 1e-5, 5e-6):
+        for step in (2e-5, 1e-5, 5e-6) + (() if more else (5e-7,)):
             c, _, _ = gas(f"{name}-{words.split()[0]}-{step:g}", step, 0.05, cell, **more)
             run = report.run(c.run(tools))
             log = run.log
             errors.append(abs(log["energy_error"]).max() / abs(log["cell_work"][-1]))
         report.at_most(f"{words}: largest error of the balance over the work, step 5 us", errors[2], 2e-3)
+        if not more:
+            report.at_most(f"{words}: the same, step 0.5 us", errors[3], 1e-6)
         # chaos: another step gives other collisions, so that the ratio is that of two samples
         report.at_least(f"{words}: error of 20 us over that of 5 us", errors[0] / errors[2], least_ratio)
         start = log["kinetic_translational"][0] + log["kinetic_rotational"][0]
@@ -252,3 +254,97 @@ def z9(tools, report):
     report.check("least over largest force of friction, over and within the sides", min(ratios, default=0), 1, 1e-6)
     report.check("contacts along y in each frame with friction", min(counts, default=0), numpy.prod(cells), 0)
     report.at_least("frames with friction", len(counts), 20)
+
+
+@case("Z10", "U", "a layer of balls between two planes: the plane cell", "s_xx = s_yy = sqrt(3) k (2 R - d) / (d H), s_zz = 2 k e / (sqrt(3) d^2); C11 = 3 sqrt(3) k / (4 H), C66 = sqrt(3) k / (4 H) at touch")
+def z10(tools, report):
+    # rows along x of a triangular lattice, each half a distance beside the last; e is the overlap with each plane
+    radius, k, rows = 0.01, 1e4, 6
+    height = 2 * radius * (1 - 1e-3)
+
+    def layer(overlap, duration, **cell):
+        distance = 2 * radius * (1 - overlap)
+        corner = numpy.array([0.003, -0.002, 0.001])
+        size = numpy.array([rows * distance, rows * math.sqrt(3) / 2 * distance, height])
+        c = Case("Z10-" + "-".join([f"{overlap:g}", *cell.get("strain_rate", {})]), duration=duration, step=1e-5, margin=0, every=duration,
+                 domain={"min": list(corner), "max": list(corner + size), "periodic": ["x", "y"]})
+        c.cell = dict(cell)
+        c.sphere("ball", radius)
+        c.material("m", 2500.0)
+        c.material("plane", 2500.0)
+        c.pair("m", "m", stiffness=k, restitution=1.0, friction=0.0)
+        c.pair("m", "plane", stiffness=k, restitution=1.0, friction=0.0)
+        for z, normal in ((corner[2], 1), (corner[2] + height, -1)):
+            c.wall({"plane": {"point": [0, 0, z], "normal": [0, 0, normal]}}, "plane")
+        for i, j in numpy.ndindex(rows, rows):
+            c.body("ball", "m", corner + [(i + 0.5 * (j % 2) + 0.2) * distance, (j + 0.3) * math.sqrt(3) / 2 * distance, height / 2])
+        return report.run(c.run(tools)), distance
+
+    run, distance = layer(5e-3, 1e-5)
+    expected = math.sqrt(3) * k * (2 * radius - distance) / (distance * height)
+    for a in "xy":
+        report.check(f"stress along {a} [Pa]", run.log[f"stress_{a}{a}"][0], expected, 1e-12)
+    pressed = k * (radius - height / 2) * 2 / (math.sqrt(3) * distance**2)
+    report.check("stress along z, by the planes [Pa]", run.log["stress_zz"][0], pressed, 1e-11)      # of overlaps of 1e-5 m
+    shears = max(abs(run.log[f"stress_{a}"][0]) for a in ("yz", "xz", "xy"))
+    report.check("shear stress, over the pressure", shears / expected, 0, 1e-12, "absolute")
+
+    small, duration, overlap = 1e-6, 1e-4, 1e-5      # the overlap is above what the shear opens
+    for part, row, modulus in (("x", "xx", 3 * math.sqrt(3) / 4), ("x", "yy", math.sqrt(3) / 4), ("y", "yy", 3 * math.sqrt(3) / 4), ("xy", "xy", math.sqrt(3) / 4)):
+        run, distance = layer(overlap, duration, strain_rate={part: small / duration})
+        change = run.log[f"stress_{row}"][-1] - run.log[f"stress_{row}"][0]
+        # stresses of the overlap turn and grow with the cell: some parts of it
+        report.check(f"stress {row} over strain {part} [Pa]", change / small, modulus * k / height, 20 * overlap)
+
+
+@case("Z11", "U", "a crystal of balls is sheared to and fro by a table", "strain: the integral of the table; stress_xy = C44 times it, C44 = k / (sqrt(2) d) at touch")
+def z11(tools, report):
+    radius, k, small, duration, overlap = 0.01, 1e4, 1e-6, 1e-3, 1e-5
+    distance = 2 * radius * (1 - overlap)
+    rate = small / duration
+    table = {"time": [0.0, 0.25 * duration, 0.75 * duration], "rate": [4 * rate, 4 * rate, -6 * rate]}
+    c = crystal("face-centred", 3, radius, distance, k, duration=duration, step=1e-6)
+    c.tables["output"]["every"] = duration / 8
+    c.cell = {"strain_rate": {"xy": table}}
+    run = report.run(c.run(tools))
+    expected = []
+    for t in run.log["time"]:
+        t = min(t, duration)
+        slope = -10 * rate / (0.5 * duration)
+        middle = min(max(t - 0.25 * duration, 0), 0.5 * duration)
+        expected.append(4 * rate * min(t, 0.25 * duration) + 4 * rate * middle + 0.5 * slope * middle**2 - 6 * rate * max(t - 0.75 * duration, 0))
+    expected = numpy.array(expected)
+    assert len(expected) >= 9 and expected.max() > 1.35 * small and expected.min() < -0.9 * small, expected
+    report.check("strain xy, less the integral of the table, over its largest", numpy.abs(run.log["strain_xy"] - expected).max() / small, 0, 1e-9, "absolute")
+    report.check("stress xy over the strain, less C44, over C44", numpy.abs(run.log["stress_xy"] * math.sqrt(2) * distance / k - expected).max() / small, 0, 40 * overlap, "absolute")
+
+
+@case("Z12", "U", "a crystal of balls on its close-packed planes: a shear whose stress is held at 0", "strain yz = strain x / sqrt(8): stiffness of the cubic crystal at touch, turned so that [111] is along z")
+def z12(tools, report):
+    radius, k, small, overlap = 0.01, 1e4, 1e-6, 1e-4
+    distance = 2 * radius * (1 - overlap)
+    numbers = numpy.array([4, 2, 2])
+    edges = distance * numpy.array([1, math.sqrt(3), math.sqrt(6)])    # layers A, B, C, each over the gaps of the last
+    corner = numpy.array([0.003, -0.002, 0.001])
+    duration = 2.4                                  # 1000 times that of a contact: what is damped has gone
+    c = Case("Z12", duration=duration, step=2e-4, margin=0, every=duration, domain={"min": list(corner), "max": list(corner + numbers * edges), "periodic": ["x", "y", "z"]})
+    c.cell = {"strain_rate": {"x": {"time": [0, 0.5 * duration, 0.5001 * duration], "rate": [2 * small / duration, 2 * small / duration, 0.0]}}, "stress": {"yz": 0.0}}
+    c.sphere("ball", radius)
+    c.material("m", 2500.0)
+    c.pair_all(stiffness=k, restitution=1.0, friction=0.0)
+    for at in numpy.ndindex(*numbers):
+        for layer in range(3):
+            for place in ((0, 0), (0.5, 0.5)):
+                x, y = place[0] * edges[0], place[1] * edges[1] + layer * distance / math.sqrt(3)
+                c.body("ball", "m", corner + numpy.array(at) * edges + [0.2 * distance + x, 0.1 * distance + y % edges[1], (layer + 0.3) * math.sqrt(2 / 3) * distance])
+    run = report.run(c.run(tools))
+    # cubic axes in the frame of the cell, and the stiffness in k / d: C12 and C44 are 1 / sqrt(2), and the part of the axes -1 / sqrt(2)
+    axes = numpy.array([[1 / math.sqrt(2), 1 / math.sqrt(6), 1 / math.sqrt(3)], [-1 / math.sqrt(2), 1 / math.sqrt(6), 1 / math.sqrt(3)], [0, -2 / math.sqrt(6), 1 / math.sqrt(3)]])
+    coupling = -(axes[:, 1] * axes[:, 2] * axes[:, 0] ** 2).sum()
+    shear = 1 - (axes[:, 1] ** 2 * axes[:, 2] ** 2).sum()
+    assert abs(-coupling / shear - 1 / math.sqrt(8)) < 1e-12
+    report.check("strain x", run.log["strain_x"][-1], small * 1.0001, 1e-9)
+    report.check("strain yz over strain x", run.log["strain_yz"][-1] / run.log["strain_x"][-1], 1 / math.sqrt(8), 20 * overlap)
+    pressure = max(abs(run.log[f"stress_{a}{a}"][-1]) for a in "xyz")
+    report.check("stress yz, over the largest normal stress", run.log["stress_yz"][-1] / pressure, 0, 1e-4, "absolute")
+    report.check("the other shears", max(abs(run.log[f"strain_{p}"][-1]) for p in ("xz", "xy")), 0, 0, "absolute")

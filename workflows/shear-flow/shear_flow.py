@@ -2,7 +2,8 @@
 """Friction and solid fraction of flows in a sheared cell against their inertial number. usage: shear_flow.py TABLE.md CHART.svg CHART.png NAME ...
 
 NAME             KIND-NUMBER
-inertial number  I = rate d sqrt(density / s_yy), d the diameter of the sphere of the same volume, s_yy the mean of the run
+inertial number  I = rate d sqrt(density / s_yy), d the diameter of the sphere of the same volume, of pentagons that of the circle of the same area,
+                 s_yy the mean of the run
 friction         s_xy / s_yy; solid fraction: both are means over the strain after the first quarter, in six blocks, of which come the intervals (95 %, Student's t)
 at I = 0         the fit of friction and of 1 / solid fraction by a + b I^c over all inertial numbers of a kind, with four of them at least; its
                  interval: fits of values that scatter as the blocks do (parametric bootstrap: Efron and Tibshirani 1993, section 6.5)
@@ -22,10 +23,11 @@ from scree.intervals import mean_interval  # noqa: E402
 from run_record import case_of, record_of, si  # noqa: E402
 
 TABLE, SVG, PNG, *NAMES = sys.argv[1:]
-WORDS = {"ball": "balls, no friction", "rubbing-ball": "balls, friction 0.5", "rock": "rocks, friction 0.5"}
-COLOURS = {"ball": "#2a6f97", "rubbing-ball": "#61a5c2", "rock": "#bc6c25"}
-# friction of balls at I = 0, and its tolerance: Peyneau and Roux, Phys. Rev. E 78 (2008) 011307: 5.76 +- 0.22 degrees
-PUBLISHED = {"ball": "0.101 +- 0.004, 0.64"}
+WORDS = {"ball": "balls, no friction", "rubbing-ball": "balls, friction 0.5", "rock": "rocks, friction 0.5", "pentagon": "pentagons, no friction"}
+COLOURS = {"ball": "#2a6f97", "rubbing-ball": "#61a5c2", "rock": "#bc6c25", "pentagon": "#6a994e"}
+# friction at I = 0, and its tolerance. Balls: Peyneau and Roux, Phys. Rev. E 78 (2008) 011307: 5.76 +- 0.22 degrees. Pentagons: Azema, Radjai and
+# Roux, Phys. Rev. E 91 (2015) 010202
+PUBLISHED = {"ball": "0.101 +- 0.004, 0.64", "pentagon": "0.183 +- 0.008"}
 BLOCKS = 6
 
 
@@ -42,7 +44,9 @@ def read(name):
     solid = blocks(strain, log["solid_fraction"])
     bodies = run.frames[0].bodies
     density = si(case["materials"]["glass"]["density"])
-    diameter = np.cbrt(6 / np.pi * np.mean(bodies.mass) / density)
+    volume = np.mean(bodies.mass) / density
+    is_layer = not run.frames[0].cell.period[2] > 0
+    diameter = np.sqrt(4 / np.pi * volume / run.frames[0].cell.lengths[2]) if is_layer else np.cbrt(6 / np.pi * volume)
     friction = blocks(strain, log["stress_xy"] / log["stress_yy"])
     stress = np.mean(blocks(strain, log["stress_yy"]))
     rate = strain[-1] / log["time"][-1]

@@ -155,7 +155,7 @@ class Periodicity:
 
     lower   its lower corner [m]
     period  length along each periodic axis [m], 0 for the others
-    shear   h_yz, h_xz, h_xy of a cell that is sheared, since it was a box [m]; 0 in any other domain
+    shear   h_yz, h_xz, h_xy of a cell that is sheared, since it was a box [m]; 0 in any other domain, and those with an axis that is not periodic
     """
 
     def __init__(self, lower: ArrayLike, period: ArrayLike, shear: ArrayLike = (0, 0, 0)) -> None:
@@ -163,6 +163,7 @@ class Periodicity:
         self.lower: np.ndarray = np.asarray(lower, dtype=float)
         self.period: np.ndarray = np.asarray(period, dtype=float)
         self.shear: np.ndarray = np.asarray(shear, dtype=float)
+        self._lengths: np.ndarray = self.period
 
     @property
     def any(self) -> bool:
@@ -177,7 +178,7 @@ class Periodicity:
     @property
     def edges(self) -> np.ndarray:
         """The edges a, b, c of a cell with these images, as rows [m]: of all that there are the one with the least shears."""
-        (yz, xz, xy), (x, y, z) = self.shear, self.period
+        (yz, xz, xy), (x, y, z) = self.shear, self._lengths
         if self.is_sheared:
             turns = np.rint(yz / y)
             yz, xz = yz - turns * y, xz - turns * xy
@@ -193,7 +194,7 @@ class Periodicity:
     def _whole_shift(self, d: np.ndarray, whole: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """The shift of the images that `whole` takes from what d has of each period, in the order z, y, x."""
         (yz, xz, xy), n = self.shear, np.zeros_like(d)
-        n[:, 2] = whole(d[:, 2] / self.period[2])
+        n[:, 2] = whole(d[:, 2] / self.period[2]) if self.period[2] > 0 else 0
         n[:, 1] = whole((d[:, 1] - n[:, 2] * yz) / self.period[1])
         n[:, 0] = whole((d[:, 0] - (n[:, 2] * xz + n[:, 1] * xy)) / self.period[0])
         return self._shift(n)
@@ -241,6 +242,8 @@ class Periodicity:
         inside = np.zeros(len(points), dtype=bool)
 
         def images(k: int, n: list[float]) -> np.ndarray:
+            if not self.period[k] > 0:
+                return np.zeros(1)
             start = self.lower[k] + self._shift(np.array([n], dtype=float))[0, k]
             return np.arange(math.floor((lower[k] - start) / self.period[k]) - 1, math.floor((upper[k] - start) / self.period[k]) + 2)
         for z in images(2, [0, 0, 0]):
@@ -253,7 +256,9 @@ class Periodicity:
 class Cell(Periodicity):
     """The periodic cell of a frame of a scene with [cell]. Stresses are positive in compression.
 
-    lower, period  lower corner and lengths of the box that its bodies lie in [m]
+    lower, upper   opposite corners of the box that its bodies lie in [m]
+    lengths        of that box [m]
+    period         the same, but 0 along z where it lies between planes
     shear          h_yz, h_xz, h_xy since it was a box [m]
     edges          of the cell that ParaView and other readers draw, as rows [m]
     rate           (dh/dt) / h of each length [1/s]
@@ -262,9 +267,10 @@ class Cell(Periodicity):
     """
 
     def __init__(self, lower: ArrayLike, upper: ArrayLike, rate: ArrayLike, normal_stress: ArrayLike, shear_stress: ArrayLike,
-                 shear: ArrayLike = (0, 0, 0), shear_rate: ArrayLike = (0, 0, 0)) -> None:
+                 shear: ArrayLike = (0, 0, 0), shear_rate: ArrayLike = (0, 0, 0), periodic: ArrayLike = (True, True, True)) -> None:
         """Each with three values; stresses as xx, yy, zz and yz, xz, xy."""
-        super().__init__(lower, np.subtract(upper, lower), shear)
+        super().__init__(lower, np.where(periodic, np.subtract(upper, lower), 0.0), shear)
+        self._lengths = np.subtract(upper, lower)
         self.rate: np.ndarray = np.asarray(rate, dtype=float)
         self.shear_rate: np.ndarray = np.asarray(shear_rate, dtype=float)
         yz, xz, xy = np.asarray(shear_stress, dtype=float)
@@ -274,12 +280,17 @@ class Cell(Periodicity):
     @property
     def upper(self) -> np.ndarray:
         """Its upper corner [m]."""
-        return self.lower + self.period
+        return self.lower + self._lengths
+
+    @property
+    def lengths(self) -> np.ndarray:
+        """Of the box [m]."""
+        return self._lengths
 
     @property
     def volume(self) -> float:
         """[m^3]"""
-        return float(np.prod(self.period))
+        return float(np.prod(self._lengths))
 
     @property
     def pressure(self) -> float:

@@ -65,7 +65,7 @@ class Store:
             values = [np.zeros((1, 3)) if name in ("shear", "shear_rate") and name not in cell else read_array(self.path, cell[name]) for name in names]
         if any(v.shape != (1, 3) or not np.all(np.isfinite(v)) for v in values):
             raise InputError(f"{self.path}: cell: one row of three numbers expected in each column; the file is damaged")
-        return Cell(*(v[0] for v in values))
+        return Cell(*(v[0] for v in values), periodic=self.scene.settings.get("domain", {}).get("periodic", (True,) * 3))
 
     @property
     def periodicity(self) -> Periodicity:

@@ -57,11 +57,13 @@ void CellEffect::begin(RunState& s) {
   if (!(contact_time_ > 0) && control_.any_by_stress())
     throw UsageError("cell.stress: no two bodies can touch, so that nothing withstands a stress; use cell.strain_rate");
   p.cell.begin({first_, s.scene.periodicity().shear()}, {});
-  p.cell.set_rate(-1 * control_.strain_rate);
+  UpperMatrix rate;
+  for (int k = 0; k < 6; ++k) rate[k] = -control_.rate(k).at(s.clock.time());
+  p.cell.set_rate(rate);
   take_mean_velocity(s);
 }
 
-/// The momentum of all bodies together is 0 from then on: dP/dt = -L P.
+/// The momentum of all bodies together is 0 from then on, dP/dt = -L P, but for what planes take along z.
 void CellEffect::take_mean_velocity(RunState& s) const {
   ParticleSet& p = s.particles;
   std::vector<ExactSum> sums(6);
@@ -77,6 +79,7 @@ void CellEffect::take_mean_velocity(RunState& s) const {
     mean[k] = sums[static_cast<std::size_t>(k)].value() / mass_;
     size[k] = sums[static_cast<std::size_t>(3 + k)].value() / mass_;
   }
+  if (!p.cell.periodicity().is_periodic(2)) mean.z = 0;  // planes hold the bodies
   for (std::size_t i = 0; i < p.owned; ++i) p.v[i] -= mean;
   if (length(mean) > kMomentumRounding * length(size) && s.comm.rank() == 0)
     warn_once("scree-solver",
@@ -88,15 +91,21 @@ void CellEffect::take_mean_velocity(RunState& s) const {
 CellSums CellEffect::sums_of_step(const RunState& s) const { return shears_ ? cell_sums(s) : diagonal_cell_sums(s); }
 
 double CellEffect::inertia(const RunState& s, int component) const {
-  const double h = s.particles.cell.periodicity().period()[kAcross[static_cast<std::size_t>(component)]];
+  const double h = s.particles.cell.edges().diagonal[kAcross[static_cast<std::size_t>(component)]];
   return mass_ * h * h / (std::numbers::pi * std::numbers::pi);
 }
 
 double CellEffect::damping(const RunState& s, int component) const {
   const Cell& cell = s.particles.cell;
   const double spacing = std::cbrt(cell.volume() / static_cast<double>(s.facts.count));
-  const double h = cell.periodicity().period()[kAcross[static_cast<std::size_t>(component)]];
+  const double h = cell.edges().diagonal[kAcross[static_cast<std::size_t>(component)]];
   return std::numbers::sqrt2 * std::numbers::pi * std::numbers::pi * spacing / (h * contact_time_);
+}
+
+/// Minus the mean of what is given over the step that begins.
+double CellEffect::next_given_rate(const RunState& s, int component) const {
+  const double now = s.clock.time();
+  return -control_.rate(component).mean(now, now + s.clock.dt);
 }
 
 void CellEffect::start(RunState& s) {
@@ -105,9 +114,11 @@ void CellEffect::start(RunState& s) {
   const UpperMatrix sum = sums.symmetric(), rate = s.particles.cell.rate();
   next_rate_ = rate;
   for (int k = 0; k < 6; ++k) {
+    if (control_.by_rate(k)) next_rate_[k] = next_given_rate(s, k);
     if (!control_.by_stress(k)) continue;
     const double push = (sum[k] - control_.stress[k] * s.particles.cell.volume()) / inertia(s, k);
     next_rate_[k] = 0.5 * dt * push / (1 + 0.5 * damping(s, k) * dt);  // from rest, half a step
+    mean_stress_[k] = sum[k] / s.particles.cell.volume();
   }
   power_ = -dot(sums.upper(), rate);
   losing_ = -dot(sums.lost, rate);
@@ -135,7 +146,7 @@ void CellEffect::before_drift(RunState& s) {
   carry_with_cell(s.particles);
   const double needed = 4 * (kRoomForSkin * s.facts.largest_radius + s.scene.contact_range());
   for (int k = 0; k < 3; ++k) {
-    if (cell.periodicity().period()[k] >= needed) continue;
+    if (!cell.periodicity().is_periodic(k) || cell.periodicity().period()[k] >= needed) continue;
     throw RunInvalid(
         "step {}: the cell is {:g} m long along {}, and its largest body, with a bounding radius of {:g} m, needs {:g} m, two "
         "diameters and margins: end the run before, by cell.stop_when or time.duration, or use more bodies",
@@ -152,14 +163,25 @@ void CellEffect::end_step(const StepParts& parts) {
   const CellSums sums = sums_of_step(s);
   const UpperMatrix sum = sums.symmetric();
   UpperMatrix rate = cell.rate();
+  // of a target of 0, which has no size of its own: how far the stress of a bed that is sheared goes
+  const double pressure = std::max(0.0, sum.diagonal.x + sum.diagonal.y + sum.diagonal.z) / (3 * cell.volume());
   for (int k = 0; k < 6; ++k) {
+    if (control_.by_rate(k)) {
+      const double last = next_rate_[k];
+      next_rate_[k] = next_given_rate(s, k);
+      rate[k] = 0.5 * (last + next_rate_[k]);
+    }
     if (!control_.by_stress(k)) continue;
     const double target = control_.stress[k] * cell.volume(), w = inertia(s, k), gamma = damping(s, k);
     const double push = (sum[k] - target) / w, half = 0.5 * gamma * dt, last = next_rate_[k];
     next_rate_[k] = ((1 - half) * last + dt * push + 2 * half * steady_rate_[k]) / (1 + half);
     rate[k] = 0.5 * (last + next_rate_[k]);
-    const double moves = sum[k] * target > 0 ? std::min(std::abs(sum[k]), std::abs(target)) / (w * gamma) : 0;
-    steady_rate_[k] += std::min(1.0, dt * moves / kSteadyStrain) * (rate[k] - steady_rate_[k]);
+    const double asked = control_.stress[k], mean = mean_stress_[k];
+    const double size = asked != 0 ? std::abs(asked) : pressure;
+    const double held = asked == 0 ? pressure : mean * asked > 0 ? std::min(std::abs(mean), size) : 0;
+    const double moves = dt * cell.volume() / (kSteadyStrain * w * gamma);  // in a step, per stress
+    steady_rate_[k] += std::min(1.0, moves * held) * (rate[k] - steady_rate_[k]);
+    mean_stress_[k] += std::min(1.0, moves * size) * (sum[k] / cell.volume() - mean);
   }
   cell.set_rate(rate);
   power_ = -dot(sums.upper(), rate);
@@ -169,7 +191,7 @@ void CellEffect::end_step(const StepParts& parts) {
 }
 
 UpperMatrix CellEffect::strain(const RunState& s) const {
-  const Vec3& h = s.particles.cell.periodicity().period();
+  const Vec3& h = s.particles.cell.edges().diagonal;
   return {{std::log(first_.x / h.x), std::log(first_.y / h.y), std::log(first_.z / h.z)}, Vec3{} - sheared_};
 }
 
@@ -186,19 +208,31 @@ std::string CellEffect::ends_run(const RunState& s) const {
     if (c.by_stress(k)) error = std::max(error, std::abs(sum[k] / p.cell.volume() - c.stress[k]) / largest);
   }
   if (c.stop_stress_error > 0 && !(error <= c.stop_stress_error)) return {};
+  // of bodies that touch others: what flies or spins in a hole of a bed may do so for good
   std::vector<ExactSum> energies(2);
-  for (std::size_t i = 0; i < p.owned; ++i) energies[0].add(translational_energy(p, i) + rotational_energy(p, i));
-  for (const auto* pairs : {&s.pairs.inner(), &s.pairs.outer()}) {
-    for (const std::int32_t k : *pairs) {
+  std::vector<std::uint8_t> touches(p.size(), 0);
+  const auto add = [&](const std::vector<std::int32_t>& pairs, bool counts_here) {
+    for (const std::int32_t k : pairs) {
       const PairResult& r = s.pairs.results()[static_cast<std::size_t>(k)];
-      if (r.active) energies[1].add(r.elastic + r.tangential_elastic);
+      const BodyPair& pair = s.pairs.stored_pairs()[static_cast<std::size_t>(k)];
+      if (!r.active || pair.b < 0) continue;
+      touches[static_cast<std::size_t>(pair.a)] = touches[static_cast<std::size_t>(pair.b)] = 1;
+      if (counts_here) energies[1].add(r.elastic + r.tangential_elastic);
     }
+  };
+  add(s.pairs.inner(), true);
+  add(s.pairs.outer(), true);
+  add(s.pairs.duplicated(), false);
+  for (std::size_t i = 0; i < p.owned; ++i) {
+    if (touches[i] != 0) energies[0].add(translational_energy(p, i) + rotational_energy(p, i));
   }
   add_over_ranks(s.comm.get(), energies);
   const double kinetic = energies[0].value(), stored = energies[1].value();
   if (c.stop_kinetic_ratio > 0 && !(stored > 0 && kinetic <= c.stop_kinetic_ratio * stored)) return {};
-  return fmt::format("the stresses of the cell are within {:.2g} of their targets, and its kinetic energy is {:.2g} of that of contacts",
-                     error, stored > 0 ? kinetic / stored : 0);
+  return fmt::format(
+      "the stresses of the cell are within {:.2g} of their targets, and the kinetic energy of bodies that touch is {:.2g} of that of their "
+      "contacts",
+      error, stored > 0 ? kinetic / stored : 0);
 }
 
 EffectKind cell_effect() {

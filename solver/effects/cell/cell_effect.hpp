@@ -10,7 +10,9 @@ namespace scree {
 class CellEffect : public Effect {
  public:
   explicit CellEffect(const RunState& s)
-      : control_(*s.scene.source().settings.cell), first_(s.scene.periodicity().period()), shears_(control_.shears()) {}
+      : control_(*s.scene.source().settings.cell),
+        first_(s.scene.source().settings.domain.upper - s.scene.source().settings.domain.lower),
+        shears_(control_.shears()) {}
 
   void begin(RunState& s) override;
   void start(RunState& s) override;
@@ -32,6 +34,7 @@ class CellEffect : public Effect {
   void take_mean_velocity(RunState& s) const;
   CellSums sums_of_step(const RunState& s) const;
   double damping(const RunState& s, int component) const;
+  double next_given_rate(const RunState& s, int component) const;
   double inertia(const RunState& s, int component) const;
   /// Logarithmic, and minus the integral of L: positive in compression.
   UpperMatrix strain(const RunState& s) const;
@@ -45,6 +48,7 @@ class CellEffect : public Effect {
   double contact_time_ = 0;        // of the contact that limits the step, at the start [s]
   UpperMatrix next_rate_;          // L over the next step [1/s]
   UpperMatrix steady_rate_;        // which damping leaves alone: r of the theory [1/s]
+  UpperMatrix mean_stress_;        // s of the theory [Pa]
   Vec3 sheared_, sheared_rest_;    // integral of L_yz, L_xz, L_xy, and what rounding took from it
   double work_ = 0, lost_ = 0;     // of the cell on the bodies; by damping and friction: the last step counts in full [J]
   double power_ = 0, losing_ = 0;  // the same at the end of the last step [W]

@@ -36,7 +36,9 @@ std::vector<ArrayFormat> CellEffect::format() {
           {"next_shear_rate", "1/s", 3},
           {"steady_shear_rate", "1/s", 3},
           {"sheared", "", 3},
-          {"sheared_remainder", "", 3}};
+          {"sheared_remainder", "", 3},
+          {"mean_stress", "Pa", 3},
+          {"mean_shear_stress", "Pa", 3}};
 }
 
 EffectRecord CellEffect::record(const RunState& s) const {
@@ -46,7 +48,7 @@ EffectRecord CellEffect::record(const RunState& s) const {
           array_of(next_rate_.diagonal), array_of(steady_rate_.diagonal),     {.reals = {work_, lost_, power_, losing_, contact_time_}},
           array_of(edges.above),         array_of(cell.remainder().above),    array_of(cell.rate().above),
           array_of(next_rate_.above),    array_of(steady_rate_.above),        array_of(sheared_),
-          array_of(sheared_rest_)};
+          array_of(sheared_rest_),       array_of(mean_stress_.diagonal),     array_of(mean_stress_.above)};
 }
 
 void CellEffect::restore(RunState& s, const EffectRecord& record) {
@@ -64,6 +66,7 @@ void CellEffect::restore(RunState& s, const EffectRecord& record) {
   steady_rate_ = {vector_of(record[4]), vector_of(record[10])};
   sheared_ = vector_of(record[11]);
   sheared_rest_ = vector_of(record[12]);
+  mean_stress_ = {vector_of(record[13]), vector_of(record[14])};
   work_ = totals[0];
   lost_ = totals[1];
   power_ = totals[2];
@@ -93,11 +96,12 @@ void CellEffect::add_log_columns(const RunState& s, const Energies& energies, st
 void CellEffect::add_frame(const RunState& s, Frame& frame) const {
   const UpperMatrix stress = stress_of(s);
   if (s.comm.rank() != 0) return;
-  const Periodicity& box = s.particles.cell.periodicity();
-  frame.cell.lower = {box.lower()};
-  frame.cell.upper = {box.lower() + box.period()};
+  const UpperMatrix& edges = s.particles.cell.edges();
+  const Vec3& lower = s.particles.cell.periodicity().lower();
+  frame.cell.lower = {lower};
+  frame.cell.upper = {lower + edges.diagonal};
   frame.cell.rate = {s.particles.cell.rate().diagonal};
-  frame.cell.shear = {box.shear()};
+  frame.cell.shear = {edges.above};
   frame.cell.shear_rate = {s.particles.cell.rate().above};
   frame.cell.normal_stress = {stress.diagonal};
   frame.cell.shear_stress = {stress.above};
@@ -105,26 +109,36 @@ void CellEffect::add_frame(const RunState& s, Frame& frame) const {
 
 std::vector<PlanLine> CellEffect::plan(const RunState& s) const {
   std::vector<PlanLine> lines;
+  const auto towards = [&](int k) {
+    return fmt::format("moves to {}; time of its damping {}", format_quantity(control_.stress[k], Dimension::pressure),
+                       format_quantity(1 / damping(s, k), Dimension::time));
+  };
   for (int k = 0; k < 3; ++k) {
     const char axis = "xyz"[k];
-    const std::string length = format_quantity(s.particles.cell.periodicity().period()[k], Dimension::length);
-    if (control_.by_stress(k))
-      lines.emplace_back("cell", fmt::format("{} along {}, moves to {}; time of its damping {}", length, axis,
-                                             format_quantity(control_.stress[k], Dimension::pressure),
-                                             format_quantity(1 / damping(s, k), Dimension::time)));
-    else if (control_.strain_rate[k] != 0)
-      lines.emplace_back("cell", fmt::format("{} along {}, {} at {:.4g} 1/s", length, axis,
-                                             control_.strain_rate[k] > 0 ? "shortens" : "lengthens", std::abs(control_.strain_rate[k])));
+    const std::string length = format_quantity(s.particles.cell.edges().diagonal[k], Dimension::length);
+    const TimeTable& rate = control_.rate(k);
+    if (!s.particles.cell.periodicity().is_periodic(k))
+      lines.emplace_back("cell", fmt::format("{} along {}, between planes", length, axis));
+    else if (control_.by_stress(k))
+      lines.emplace_back("cell", fmt::format("{} along {}, {}", length, axis, towards(k)));
+    else if (control_.by_rate(k) && !rate.is_constant())
+      lines.emplace_back(
+          "cell", fmt::format("{} along {}, shortens at {:.4g} to {:.4g} 1/s by a table", length, axis, rate.least(), rate.largest()));
+    else if (control_.by_rate(k))
+      lines.emplace_back("cell", fmt::format("{} along {}, {} at {:.4g} 1/s", length, axis, rate.largest() > 0 ? "shortens" : "lengthens",
+                                             std::abs(rate.largest())));
     else
       lines.emplace_back("cell", fmt::format("{} along {}, which stays", length, axis));
   }
   for (int k = 3; k < 6; ++k) {
+    const TimeTable& rate = control_.rate(k);
     if (control_.by_stress(k))
-      lines.emplace_back("cell", fmt::format("sheared {}, moves to {}; time of its damping {}", kShears[k - 3],
-                                             format_quantity(control_.stress[k], Dimension::pressure),
-                                             format_quantity(1 / damping(s, k), Dimension::time)));
-    else if (control_.strain_rate[k] != 0)
-      lines.emplace_back("cell", fmt::format("sheared {} at {:.4g} 1/s", kShears[k - 3], control_.strain_rate[k]));
+      lines.emplace_back("cell", fmt::format("sheared {}, {}", kShears[k - 3], towards(k)));
+    else if (control_.by_rate(k) && !rate.is_constant())
+      lines.emplace_back("cell",
+                         fmt::format("sheared {} at {:.4g} to {:.4g} 1/s by a table", kShears[k - 3], rate.least(), rate.largest()));
+    else if (control_.by_rate(k))
+      lines.emplace_back("cell", fmt::format("sheared {} at {:.4g} 1/s", kShears[k - 3], rate.largest()));
   }
   return lines;
 }

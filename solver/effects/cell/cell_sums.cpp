@@ -33,6 +33,11 @@ void add_contacts(const RunState& s, std::span<const std::int32_t> pairs, Sums& 
     const PairResult& result = s.pairs.result_of(k, of_block);
     if (!result.active) continue;
     const BodyPair& pair = s.pairs.stored_pairs()[static_cast<std::size_t>(k)];
+    if (pair.b < 0) {  // a plane across z, without friction: how far from it the centre of the body is
+      const Wall& plane = s.scene.source().walls[static_cast<std::size_t>(s.scene.zones()[static_cast<std::size_t>(pair.key.zone)].wall)];
+      sums[kContact + 8].add(result.force_a.z * (p.x[static_cast<std::size_t>(pair.a)].z - plane.point.z));
+      continue;
+    }
     const Vec3 r = p.cell.periodicity().nearest(p.x[static_cast<std::size_t>(pair.a)] - p.x[static_cast<std::size_t>(pair.b)]);
     add_dyad<kAll>(result.force_a, r, kContact, sums);
     const Vec3& lost = result.dissipative_force_a;
