@@ -80,6 +80,8 @@ CellBlocker cell_blocker(const Scene& scene) {
   if (!below || !above)
     return {"domain",
             "it is not periodic along z, and no plane holds the bodies at one end; give two walls of kind plane, at domain.min and max"};
+  if (scene.settings.cell && scene.settings.cell->any_by_stress() && scene.bodies.size() < 2)
+    return {"cell.stress", "a single body withstands none; use cell.strain_rate"};
   if (!scene.inlets.empty()) return {"inlets", "the momentum of all bodies together must stay 0; leave them out"};
   if (!scene.outlets.empty()) return {"outlets", "the momentum of all bodies together must stay 0; leave them out"};
   if (!scene.forces.empty()) return {"bodies.force", "the momentum of all bodies together must stay 0; leave it out"};

@@ -1668,6 +1668,8 @@ def cell(d):
             rates[part] = shears.choice([0.2, 1.5]) * shears.uniform(-1, 1) / d.duration
         if kind == "stress":
             stresses[part] = shears.choice([-1, 1]) * d.stiffness / d.radius * 10 ** shears.uniform(-7, -4)
+    if len(words["bodies"]) < 2:     # nothing withstands a stress
+        stresses.clear()
     later = random_numbers.Random(f"rates over time {d.case.note}")
     for part, rate in rates.items():
         if later.random() < 0.5:     # to and fro

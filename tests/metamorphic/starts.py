@@ -91,7 +91,9 @@ def started_from_its_run(trial):
     there = contact_forces(end, run.scene.walls, not from_frame)
     scale = moving + max((float(numpy.abs(v).max()) for v in there.values()), default=0.0)
     zero = numpy.zeros(1 if from_frame else 4)
-    if step_at(first, 0) != step_at(run, -1):   # what damping takes in a step depends on the step
+    cell = trial.case.words.get("cell", {})
+    begins_anew = cell.get("stress") or any(isinstance(rate, dict) for rate in cell.get("strain_rate", {}).values())   # the rates of the cell
+    if step_at(first, 0) != step_at(run, -1) or begins_anew:   # what damping takes in a step depends on the step and on the cell
         here = there = {}
     for key in here.keys() | there.keys():
         lack = numpy.abs(here.get(key, zero) - there.get(key, zero)).max()
