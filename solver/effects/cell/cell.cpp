@@ -24,9 +24,10 @@ constexpr double kMostGrowth = 1e-3;
 constexpr double kRoomForSkin = 1.01;
 
 /// The steady rate r follows in the time in which the stress would move the damped cell alone by this strain. So long that a gas
-/// overshoots its target by some 20 % only when it becomes a bed (half of it where r follows ten times faster), and short beside
-/// the strains over which a bed changes its way to flow.
+/// overshoots its target by 20 to 50 % only when it becomes a bed, and short beside the strains over which a bed changes its way to flow.
 constexpr double kSteadyStrain = 0.01;
+/// The same for the mean stress: long, so that what the stress fluctuates by does not change how fast r follows.
+constexpr double kMeanStrain = 0.1;
 
 /// What of the momentum is more than rounding: over the sum of the sizes of its terms.
 constexpr double kMomentumRounding = 1e-13;
@@ -179,9 +180,9 @@ void CellEffect::end_step(const StepParts& parts) {
     const double asked = control_.stress[k], mean = mean_stress_[k];
     const double size = asked != 0 ? std::abs(asked) : pressure;
     const double held = asked == 0 ? pressure : mean * asked > 0 ? std::min(std::abs(mean), size) : 0;
-    const double moves = dt * cell.volume() / (kSteadyStrain * w * gamma);  // in a step, per stress
-    steady_rate_[k] += std::min(1.0, moves * held) * (rate[k] - steady_rate_[k]);
-    mean_stress_[k] += std::min(1.0, moves * size) * (sum[k] / cell.volume() - mean);
+    const double moves = dt * cell.volume() / (w * gamma);  // strain of the damped cell in a step, per stress
+    steady_rate_[k] += std::min(1.0, moves * held / kSteadyStrain) * (rate[k] - steady_rate_[k]);
+    mean_stress_[k] += std::min(1.0, moves * size / kMeanStrain) * (sum[k] / cell.volume() - mean);
   }
   cell.set_rate(rate);
   power_ = -dot(sums.upper(), rate);
