@@ -74,6 +74,8 @@ class ChildProcess {
   bool feed(const void* data, std::size_t size);
   void end_feed();
 
+  /// Its number; -1 when it has ended and was waited for.
+  int process() const { return process_; }
   /// Ends it at once.
   void kill();
   /// Asks it to end (SIGTERM), waits, and kills it when it has not ended after so long [ms].

@@ -32,6 +32,7 @@ TemporaryFolder::TemporaryFolder() {
   std::string name = (fs::temp_directory_path() / "scree-packing-XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr) throw SystemError("cannot make a temporary folder {}: {}", name, std::strerror(errno));
   path_ = name;
+  interrupted_.emplace(name);
 }
 
 TemporaryFolder::~TemporaryFolder() {
@@ -63,12 +64,14 @@ int run_tool(const std::vector<std::string>& words, const std::string& what_for,
   } catch (const StartError& error) {
     throw SystemError("cannot start {}, which {} needs: {}; {}", words.front(), what_for, error.reason(), cure);
   }
+  std::optional<EndedWhenInterrupted> interrupted(std::in_place, child->process());
   constexpr int kAgain = 1000;  // [ms]
   std::vector<char> bytes;
   for (auto state = ChildProcess::Read::data; state != ChildProcess::Read::end; bytes.clear()) {
     state = child->read(bytes, kAgain);
     hear(bytes.data(), bytes.size());
   }
+  interrupted.reset();
   const ProcessEnd end = child->wait();
   return end.signal == 0 ? end.code : 128 + end.signal;
 }

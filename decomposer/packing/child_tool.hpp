@@ -3,12 +3,15 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/base/interruption.hpp"
+
 namespace scree {
 
-/// A folder that lives as long as this.
+/// A folder that lives as long as this, and not longer than the process.
 class TemporaryFolder {
  public:
   TemporaryFolder();
@@ -19,6 +22,7 @@ class TemporaryFolder {
 
  private:
   std::filesystem::path path_;
+  std::optional<RemovedWhenInterrupted> interrupted_;
 };
 
 /// The tool of this name beside this program, or else the one on the PATH.

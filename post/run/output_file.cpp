@@ -9,7 +9,8 @@
 
 namespace scree {
 
-OutputFile::OutputFile(std::string path) : path_(std::move(path)), temporary_(h5::temporary_name(path_)) {
+OutputFile::OutputFile(std::string path)
+    : path_(std::move(path)), temporary_(h5::temporary_name(path_)), interrupted_(std::in_place, temporary_) {
   file_ = std::fopen(temporary_.c_str(), "wb");
   if (file_ == nullptr) {
     throw SystemError("cannot create {}: {}; choose a folder that exists and is writable", path_, std::strerror(errno));
@@ -31,6 +32,7 @@ void OutputFile::commit() {
   if (!closed) throw SystemError("cannot write {}: {}", path_, std::strerror(errno));
   h5::publish_file(temporary_, path_);
   temporary_.clear();
+  interrupted_.reset();
 }
 
 void make_folder(const std::string& path) {

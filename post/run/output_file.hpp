@@ -2,7 +2,10 @@
 #pragma once
 
 #include <cstdio>
+#include <optional>
 #include <string>
+
+#include "core/base/interruption.hpp"
 
 namespace scree {
 
@@ -20,6 +23,7 @@ class OutputFile {
 
  private:
   std::string path_, temporary_;
+  std::optional<RemovedWhenInterrupted> interrupted_;
   std::FILE* file_ = nullptr;
 };
 

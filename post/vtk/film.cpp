@@ -4,9 +4,11 @@
 #include <cstdio>
 #include <map>
 #include <numbers>
+#include <optional>
 
 #include "core/base/child_process.hpp"
 #include "core/base/error.hpp"
+#include "core/base/interruption.hpp"
 #include "core/base/long_work.hpp"
 #include "core/picture/display.hpp"
 #include "core/storage/h5.hpp"
@@ -33,8 +35,13 @@ std::vector<std::string> words_of_format(const std::string& path) {
 class Encoder {
  public:
   Encoder(const std::string& path, int width, int height, double rate)
-      : path_(path), temporary_(h5::temporary_name(path)), child_(start(path, temporary_, width, height, rate, says_)) {}
+      : path_(path),
+        temporary_(h5::temporary_name(path)),
+        interrupted_(temporary_),
+        child_(start(path, temporary_, width, height, rate, says_)),
+        child_interrupted_(std::in_place, child_.process()) {}
   ~Encoder() {
+    child_interrupted_.reset();
     if (!temporary_.empty()) {
       child_.kill();
       child_.wait();
@@ -50,6 +57,7 @@ class Encoder {
   /// Waits until the film is written and gives it its name.
   void finish() {
     child_.end_feed();
+    child_interrupted_.reset();
     const ProcessEnd end = child_.wait();
     if (!end.is_success()) {
       std::remove(temporary_.c_str());
@@ -95,7 +103,9 @@ class Encoder {
 
   MemoryFile says_;
   std::string path_, temporary_;  ///< temporary: empty when there is nothing left to remove
+  RemovedWhenInterrupted interrupted_;
   ChildProcess child_;
+  std::optional<EndedWhenInterrupted> child_interrupted_;
 };
 
 /// The camera, gone by an angle [rad] about `up`.

@@ -135,6 +135,9 @@ tool("scree-post", "statistics", RUN, "-o", "st", "--no-charts", "--region", "a=
 for words in (["picture", RUN, "-o", "x.png", "--zoom", "nan"], ["picture", RUN, "-o", "x.png", "--zoom", "0"], ["film", RUN, "-o", "x.gif", "--turn", "nan"],
               ["film", RUN, "-o", "x.gif", "--rate", "nan"]):
     assert len(tool("scree-post", *words, code=2, says="expected")) < 300, words
+# without --what: everything that the run has
+tool("scree-post", "vtk", RUN, "-o", "everything", "--frames", "1")
+assert {"bodies.pvd", "bonds.pvd", "contacts.pvd", "walls.pvd"} <= set(os.listdir("everything")), os.listdir("everything")
 # a surface whose triangles disagree: --flip makes them agree, and turns all where they do
 with open("sheet.off", "w", encoding="utf-8") as file:
     file.write("OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 3 2\n")

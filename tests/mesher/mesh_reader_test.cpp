@@ -244,6 +244,8 @@ TEST(ObjReader, indices_beyond_the_vertices_are_refused_and_what_is_skipped_is_r
   const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   expect_refused("t.obj", vertices + "f 1 2 4\n", "line 4: a facet names vertex 4, but there are 3 vertices");
   expect_refused("t.obj", vertices + "f 1 2 -4\n", "line 4: a facet names vertex -4");
+  expect_refused("t.obj", vertices + "f 1 2 -9223372036854775808\n", "line 4: a facet names vertex -9223372036854775808");
+  expect_refused("t.obj", vertices + "f 1 2 9223372036854775807\n", "line 4: a facet names vertex 9223372036854775807");
   expect_refused("t.obj", vertices + "f 1 2 0\n", "line 4: a facet names vertex 0");
   expect_refused("t.obj", vertices + "v 1 2\n", "line 4: 2 numbers for a vertex");
   const MeshFile file = read("t.obj", vertices + "f 1 2 3\nl 1 2\nsurf 0 1 0 1 1 2 3 4\n");

@@ -141,7 +141,8 @@ class Film(unittest.TestCase):
             tool.send_signal(signal.SIGTERM)
             self.assertIn(tool.wait(60), (-signal.SIGTERM, 0))
             if tool.returncode != 0:
-                self.assertFalse(pathlib.Path(FOLDER, "killed.mp4").exists())
+                self.assertEqual(sorted(path.name for path in pathlib.Path(FOLDER).glob("*killed.mp4*")), [])
+                self.assertEqual([path.name for path in pathlib.Path(FOLDER).glob(".killed.mp4*")], [])
 
 
 if __name__ == "__main__":

@@ -104,7 +104,7 @@ def main():
     write("meshes.toml", f"floor = 'import floor.off --surface --unit mm'\n\"{CUBE}\" = 'generate box --size \"1 cm, 1 cm, 1 cm\"'\n")
     write("case.toml", CASE + "[[")
     refused("case.toml: ", "--dry-run")
-    write("case.toml", CASE)
+    write("case.toml", "\ufeff" + CASE)   # with a byte order mark, as some editors leave it
 
     # a dry run names the steps and leaves nothing
     before = sorted(os.listdir(FOLDER))
@@ -115,6 +115,7 @@ def main():
 
     # from meshes to the report, from another folder, by a relative path; a second time there is nothing to do. Six bodies run on one rank,
     # however many cores there are
+    write("case.toml", CASE)
     relative = os.path.join(os.path.basename(FOLDER), "case.toml")
     run("--config", "statistics=--from 0.01", "--cores", "2", case=relative, cwd=SCRATCH)
     results = os.path.join(FOLDER, "case.out")
