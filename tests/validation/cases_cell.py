@@ -348,3 +348,19 @@ def z12(tools, report):
     pressure = max(abs(run.log[f"stress_{a}{a}"][-1]) for a in "xyz")
     report.check("stress yz, over the largest normal stress", run.log["stress_yz"][-1] / pressure, 0, 1e-4, "absolute")
     report.check("the other shears", max(abs(run.log[f"strain_{p}"][-1]) for p in ("xz", "xy")), 0, 0, "absolute")
+
+
+@case("Z13", "U", "stiffness of crystals of balls at touch", "C11, C12, C44 in k / d: simple cubic 1, 0, 0; body-centred 1 / sqrt(3) each; face-centred sqrt(2), 1 / sqrt(2), 1 / sqrt(2)")
+def z13(tools, report):
+    radius, k, small, overlap = 0.01, 1e4, 1e-6, 1e-5    # the overlap is above what the strain opens
+    distance = 2 * radius * (1 - overlap)
+    expected = {"simple cubic": (1, 0, 0), "body-centred": (1 / math.sqrt(3),) * 3, "face-centred": (math.sqrt(2), 1 / math.sqrt(2), 1 / math.sqrt(2))}
+    for name, (c11, c12, c44) in expected.items():
+        # stresses of the overlap turn and grow with the cell: some parts of it. Ten steps, since two of the crystals are unstable without friction
+        tolerance = 20 * overlap
+        for part, row, value in (("x", "xx", c11), ("x", "yy", c12), ("xy", "xy", c44)):
+            c = crystal(name, 3, radius, distance, k, duration=1e-4, step=1e-5)
+            c.cell = {"strain_rate": {part: small / 1e-4}}
+            run = report.run(c.run(tools))
+            stress = (run.log[f"stress_{row}"][-1] - run.log[f"stress_{row}"][0]) / small
+            report.check(f"{name}: stress {row} over strain {part}, in k / d", stress * distance / k, value, tolerance, "absolute")
