@@ -4,7 +4,7 @@
 // motion of its own, with L = (dh/dt) / h, the stress sigma that is measured (cell_sums.hpp) and the target p, compression positive:
 //
 //   W dL/dt = V (sigma - p) - W gamma (L - r),   W = M h^2 / pi^2,   gamma = sqrt(2) pi^2 a / (h t_c)
-//   dr/dt = (L - r) V min(s, p) / (0.01 W gamma),   ds/dt = (sigma - s) V p / (0.1 W gamma),   r = 0, s = sigma at the start
+//   dr/dt = (L - r) V min(s, p) / (0.01 W gamma),   ds/dt = (sigma - s) V p / (0.01 W gamma),   r = 0, s = sigma at the start
 //
 // with the mass M and number N of all bodies, their spacing a = (V / N)^(1/3), and the time t_c of the contact that limits the step. W is
 // the inertia of a specimen of that mass with free faces: its slowest wave along the axis has omega^2 = pi^2 C / (rho h^2), which is V C /
@@ -14,7 +14,7 @@
 //
 // r is the rate that the cell has for long, and the damping leaves it alone: else a bed that is sheared would hold its lateral stress off
 // the target for good, by V^-1 W gamma L (84 % in validation case Z5). It follows in the time in which the stress would move the damped
-// cell by a strain of 0.01, which is longer than what oscillates. s, a mean of the stress over ten such times, keeps r at rest in
+// cell by a strain of 0.01, which is longer than what oscillates. s, a mean of the stress over the shortest such time, keeps r at rest in
 // a gas. With sigma itself in its place r would follow L most where sigma is above p, and the mean stress would lie below the target, by
 // the mean of min(sigma - p, 0)^2 over p^2.
 //
