@@ -22,6 +22,7 @@ import numpy as np  # noqa: E402
 
 import calibrate  # noqa: E402
 import page  # noqa: E402
+from experiments import POINTS, proposal, spread  # noqa: E402
 from posterior import ROUGH, narrowing, posterior, sobol  # noqa: E402
 from settings import SIGMAS, read  # noqa: E402
 from surrogate import Surrogate  # noqa: E402
@@ -195,6 +196,39 @@ settings, _, _, result = loop("far", {**WORDS, "target": "heap:angle_of_repose=6
 numbers, text = said(settings, result)
 assert "No keys within the bounds give the measured heap:angle_of_repose" in text and numbers["answers"][0]["off"] < -3, text
 
+# --- what to measure next: the expected width of an interval is the width that comes out, on the mean, when the number is then measured
+random = np.random.default_rng(4)
+places = spread(found.even(400), 12)
+assert len(np.unique(places, axis=0)) == 12
+FURTHER = {"drum": (drum, 1.0), "slide": (lambda x: 10 * (1 - 0.9 * x[:, 0]), 0.0), "deaf": (lambda x: 5.0 + 0 * x[:, 0], 1.0), "spin": (lambda x: 3 + 8 * x[:, 1], 0.2)}
+points = sobol(20, 2, 3)
+alone = Surrogate(points, heap(points) + 1.5 * random.standard_normal(20))
+for name, (function, scatter) in FURTHER.items():
+    expected, came, fixed_to = [], [], []
+    for seed in range(12):
+        hidden = random.random(2)
+        answer = (float(heap(hidden[None])[0]), 0.75)
+        before = posterior([alone], [answer], 2, seed, ROUGH)
+        now = np.array([high - low for low, high in map(before.interval, range(2))])
+        places = spread(before.even(400), 12)
+        further = Surrogate(places, function(places) + scatter * random.standard_normal(12))
+        entry = proposal(before.even(POINTS), further, 0.3, now)
+        truth = before.even(12)[seed][None]   # measured as certainly as it says
+        after = posterior([alone, further], [answer, (float(function(truth)[0] + entry["deviation"] * random.standard_normal()), entry["deviation"])], 2, seed, ROUGH)
+        expected.append(entry["widths"])
+        came.append([high - low for low, high in map(after.interval, range(2))])
+        fixed_to.append(now)
+    expected, came, now = (np.mean(entries, axis=0) for entries in (expected, came, fixed_to))
+    print(f"{name}: intervals {now.round(2)} before, {expected.round(3)} expected, {came.round(3)} after the measurement")
+    # twelve draws of a width that scatters by up to half of itself: 15 % each, and twice that
+    assert np.all(np.abs(came / expected - 1) < 0.3), (name, expected, came)
+    if name == "deaf":
+        assert np.all(expected > 0.9 * now), (expected, now)
+    if name == "slide":
+        assert expected[0] < 0.15, expected
+    if name == "spin":
+        assert expected[1] < 0.33, expected
+
 # charts of one key on a logarithmic scale, and of two; one key has no pairs
 for name, words in (("one", {"target": "heap:angle_of_repose=20+-1", "keys": "pairs.0.stiffness=1 kN/m..100 kN/m log", "budget": "18"}), ("ridge", {**WORDS, "budget": "40"})):
     settings = read(words)
@@ -233,7 +267,7 @@ refused({"target": "heap:x=1+-1"}, "target is given without keys")
 refused({"keys": good["keys"]}, "keys is given without target")
 refused({**good, "target": "heap:angle_of_repose=34"}, "'heap:angle_of_repose=34' found; expected [SCENE:]QUANTITY")
 refused({**good, "target": "heap:angle_of_repose=34+-0"}, "expected one above 0")
-refused({**good, "target": "pile:angle_of_repose=34+-1"}, "no scene and no case 'pile'", "heap, drum", "repose")
+refused({**good, "target": "pile:angle_of_repose=34+-1"}, "no scene and no case 'pile'", "heap, drum, slide", "repose")
 refused({**good, "target": "heap:angle_of_repose.end=34+-1"}, "no '.end'", "mean, last, min, max")
 refused({**good, "target": "heap:angle_of_repose=34+-1 furlong"}, "'furlong' is no unit")
 refused({**good, "target": "heap:a=3+-1;heap:a=4+-1"}, "is there twice")
@@ -247,6 +281,14 @@ refused({**good, "keys": "drum:pairs.0.friction=0..1"}, "no target has the scene
 refused({**good, "keys": "seed=1..5"}, "'seed' is what replicas differ in")
 refused({**good, "keys": ";".join(f"k{n}=0..1" for n in range(7))}, "7 found; expected 1 to 6")
 refused({**good, "budget": "10"}, "budget=10 is too small", "takes 16 runs (12 points, 2 of them with 3 seeds, in 1 scene)")
+refused({**good, "experiments": "pile"}, "experiments: there is no scene and no case 'pile'")
+refused({**good, "experiments": "drum;heap"}, "experiments: heap has a target")
+refused({**good, "experiments": "drum;drum"}, "experiments: drum is there twice")
+refused({**good, "survey": "3"}, "survey=3 found", "at least 6")
+assert [scene.name for scene in read(good).experiments] == ["drum", "slide"]                     # of this folder, that have no target
+assert [scene.name for scene in read({**good, "experiments": "column; slide"}).experiments] == ["column", "slide"]
+assert not read({**good, "experiments": "none"}).experiments and not read({**good, "target": "column:mass=1+-1 kg"}).experiments
+assert read({**good, "set": "slide:time.duration=0.1 s"}).fixed == (("slide", "time.duration=0.1 s"),)
 refused({**good, "start": "4", "replicas": "1"}, "makes 4 runs of a scene; a fit needs 6")
 refused({**good, "target": "no/where.toml:mass=1+-1"}, "there is no case file /", "no/where.toml")
 refused({**good, "budget": "many"}, "budget=many found; expected a whole number")

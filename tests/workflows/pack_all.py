@@ -26,7 +26,7 @@ def commands_of(name, folder):
     folder.mkdir(parents=True)
     words = [RUNNER, name, "--dry-run", "--out", folder]
     if name == "calibrate":
-        (folder / "points.json").write_text('{"a": {"case": "heap"}, "b": {"case": "drum"}}')
+        (folder / "points.json").write_text('{"a": {"case": "heap"}, "b": {"case": "drum"}, "c": {"case": "slide"}}')
         words += ["--config", f"points={folder / 'points.json'}"]
     text = subprocess.run(words, env=ENVIRONMENT, text=True, capture_output=True, check=True).stdout
     lines = [part.strip() for line in text.splitlines() for part in line.split(" && ")]

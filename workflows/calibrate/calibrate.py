@@ -18,6 +18,7 @@ os.environ["OMP_NUM_THREADS"] = "1"   # small matrices: more threads are slower,
 sys.dont_write_bytecode = True
 
 try:
+    from experiments import proposals, spread
     from posterior import ROUGH, next_runs, posterior, sobol, unsure_share
     from surrogate import Surrogate
 except ImportError as missing:
@@ -56,16 +57,24 @@ class Runs:
                     raise Stop(2, f"{os.path.abspath(path)}: the runs in this folder are those of a calibration with other {name}: {json.dumps(before)}; now {json.dumps(now)}. "
                                   "Give another --out folder, or remove this one. (target, budget, stop and batch may change.)")
 
+    def of(self, scenes):
+        """The runs of scenes."""
+        names = {scene.name for scene in scenes}
+        return {name: run for name, run in self.content["runs"].items() if run["scene"] in names}
+
     @property
     def all(self):
         """Of the scenes that have a target."""
-        scenes = {scene.name for scene in self.settings.scenes}
-        return {name: run for name, run in self.content["runs"].items() if run["scene"] in scenes}
+        return self.of(self.settings.scenes)
 
     def add(self, scene, place):
         number = len(self.content["runs"])
         name = f"{scene.name.replace('/', '-')}-{number:03d}"
         self.content["runs"][name] = {"scene": scene.name, "place": [round(float(x), 9) for x in place], "seed": 1000 * self.settings.seed + number + 1}
+
+    def drop(self, scene):
+        for name in self.of([scene]):
+            del self.content["runs"][name]
 
     def fail(self, name, message):
         self.content["runs"][name]["failed"] = message
@@ -96,18 +105,19 @@ class Workflow:
 
     def __init__(self, runs, cores):
         self.runs = runs
+        self.scenes = [*runs.settings.scenes, *runs.settings.experiments]
         self.called = set()   # cases of which Snakemake has seen all runs: it makes those anew whose case has changed since
         self.queue = PointsQueue(cores, runs.settings.words)
 
     def call(self, scene, files):
         """Makes the files; returns the exit code and what was printed."""
-        its = {other.name: other.run for other in self.runs.settings.scenes if other.case == scene.case}
-        points = {name: {"case": its[run["scene"]], **self.runs.keys_of(run)} for name, run in self.runs.all.items() if run["scene"] in its and "failed" not in run}
+        its = {other.name: other.run for other in self.scenes if other.case == scene.case}
+        points = {name: {"case": its[run["scene"]], **self.runs.keys_of(run)} for name, run in self.runs.of(self.scenes).items() if run["scene"] in its and "failed" not in run}
         return self.queue.call(scene.case, scene.folder, points, files)
 
     def check(self, scene):
         """Are the keys those of the case, and are both bounds of each what it may be? scree-decomposer knows."""
-        first = next(name for name, run in self.runs.all.items() if run["scene"] == scene.name)
+        first = next(iter(self.runs.of([scene])))
         code, text = self.call(scene, [f"{first}.toml"])
         case = os.path.join(scene.folder, f"{first}.toml")
         if code != 0 or not os.path.exists(case):
@@ -125,8 +135,8 @@ class Workflow:
 
     def first(self, scene):
         """Makes a run of the scene, and gives its name."""
-        for name, run in self.runs.all.items():
-            if run["scene"] == scene.name and "failed" not in run:
+        for name, run in self.runs.of([scene]).items():
+            if "failed" not in run:
                 self.make([name])
                 if "failed" not in run:
                     return name
@@ -134,9 +144,9 @@ class Workflow:
 
     def make(self, names):
         """Makes the runs of these names that are not done. A run that became invalid is marked as failed; anything else that goes wrong stops."""
-        for case in dict.fromkeys(scene.case for scene in self.runs.settings.scenes):
-            scenes = {scene.name: scene for scene in self.runs.settings.scenes if scene.case == case}
-            mine = {name: scenes[run["scene"]] for name, run in self.runs.all.items() if name in names and run["scene"] in scenes and "failed" not in run}
+        for case in dict.fromkeys(scene.case for scene in self.scenes):
+            scenes = {scene.name: scene for scene in self.scenes if scene.case == case}
+            mine = {name: scenes[run["scene"]] for name, run in self.runs.of(self.scenes).items() if name in names and run["scene"] in scenes and "failed" not in run}
             wanted = {name: os.path.join(statistics_of(scene, name), "statistics.json") for name, scene in mine.items()}
             if not wanted or case in self.called and all(map(os.path.exists, wanted.values())):
                 continue
@@ -252,6 +262,34 @@ def calibrate(settings, runs, make, answers, measured, report=say):
         runs.write()
 
 
+def survey(settings, runs, workflow, found):
+    """Runs each experiment that has no target at points of the posterior, so that proposals can be made.
+
+    Returns (name of the scene, why) of those that were not run: a scene that refuses a key is no reason to lose a calibration.
+    """
+    refused = []
+    for scene in settings.experiments:
+        there = runs.of([scene])
+        try:
+            if not there:
+                for place in spread(found.even(400), settings.survey):
+                    runs.add(scene, place)
+                say(f"{scene.name} is run at {settings.survey} points of the posterior, to see whether its answers would fix the keys")
+                workflow.check(scene)
+                runs.write()
+            workflow.make(list(runs.of([scene])))
+            left = sum("failed" not in run for run in runs.of([scene]).values())
+            if left < FEWEST:
+                refused.append((scene.name, f"{len(runs.of([scene])) - left} of its {len(runs.of([scene]))} runs became invalid"))
+        except Stop as reason:
+            if reason.code not in (2, 3, 5):
+                raise
+            if not there:
+                runs.drop(scene)
+            refused.append((scene.name, str(reason)))
+    return refused
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("settings")
@@ -286,9 +324,14 @@ def main():
     # 3. run, fit, choose
     surrogates, found, share, why = calibrate(settings, runs, workflow.make, lambda target: answers_of(runs, summaries, target), measured)
 
-    # 4. what came out
-    from page import write   # takes a second: matplotlib
-    write(settings, runs, summaries, [unit for unit, _ in units], measured, surrogates, found, share, why)
+    # 4. what came out, and, where keys are open, which experiment would fix them
+    from page import is_open, judge, write   # takes a second: matplotlib
+    numbers = judge(settings, measured, surrogates, found, share, why)
+    numbers["not_tried"], numbers["proposals"] = [], []
+    if is_open(numbers):
+        numbers["not_tried"] = survey(settings, runs, workflow, found)
+        numbers["proposals"] = proposals(settings, runs, summaries, found, statistics_of)
+    write(settings, runs, summaries, [unit for unit, _ in units], measured, surrogates, found, numbers)
     say("done: calibration.md")
 
 

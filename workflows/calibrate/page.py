@@ -8,6 +8,7 @@ matplotlib.use("svg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
+from experiments import FINEST, FIXED  # noqa: E402
 from posterior import narrowing, ridge  # noqa: E402
 from settings import SIGMAS  # noqa: E402
 from run_record import record_of  # noqa: E402  the folder above, which settings adds to the path
@@ -18,10 +19,7 @@ OPEN = 0.6          # width of an interval over that of the bounds, above which 
 OFF = 2.5           # standard deviations between measured and computed answer, above which no keys within the bounds give it
 SPREAD = 1.5        # root mean square of the runs left out, above which the surrogate is too sure of itself
 AT_BOUND = 0.01     # of the bounds
-# what an experiment can measure, of the summaries
-MEASURABLE = {"particle_count", "mass", "solid_fraction", "solid_fraction_of_container", "coordination_number", "velocity_x", "velocity_y", "velocity_z", "mean_speed", "mean_spin",
-              "centre_of_mass_x", "centre_of_mass_y", "centre_of_mass_z", "mixing_index", "angle_of_repose", "discharged_mass", "discharge_rate", "force_x", "force_y", "force_z",
-              "torque_x", "torque_y", "torque_z", "power", "pressure"}
+MOST_PROPOSALS = 8   # rows
 
 
 def number(value, digits=3):
@@ -90,41 +88,70 @@ def verdicts(settings, numbers, units, failed):
     return sorted(found, key=lambda entry: entry[0] != "bad") or [("good", "The answers are met, and they fix the keys.")]
 
 
-def other_numbers(settings, runs, summaries, points, most=5):
-    """Numbers of the summaries that can be measured, by how far they change over the posterior, in standard deviations of one run: a measurement of one with
-    a large change tells its keys further apart. A parabola through all runs stands for each.
-    points: of equal weight. Returns (name, unit, deviation over the posterior, scatter of one run)."""
-    def terms(x):
-        return np.column_stack([np.ones(len(x)), x, *(x[:, a] * x[:, b] for a in range(x.shape[1]) for b in range(a, x.shape[1]))])
-    targets = {(target.scene.name, target.group, target.quantity) for target in settings.targets}
+def is_open(numbers):
+    """Is there a key that the answers do not fix, or a pair that they do not tell apart?"""
+    return any(key["share_of_bounds"] > FIXED for key in numbers["keys"]) or any(pair["told_apart"] == "no" for pair in numbers["pairs"])
+
+
+def percent(share):
+    return f"{100 * share:.{0 if share >= 0.095 else 1}f} %"
+
+
+def best_proposals(numbers):
+    """For each key that is open: (key, the first proposal that fixes it, or else that of its narrowest interval)."""
     found = []
-    for scene in settings.scenes:
-        rows = [(run["place"], summaries.of(scene, name)) for name, run in runs.all.items() if run["scene"] == scene.name and "failed" not in run]
-        places = np.array([place for place, _ in rows])
-        left = len(rows) - terms(places).shape[1]
-        for group, quantity in rows[0][1]:
-            values = [row.get((group, quantity), {}).get("mean") for _, row in rows]
-            if left < 4 or quantity not in MEASURABLE or (scene.name, group, quantity) in targets or not all(values):
-                continue
-            y = np.array(values, float)
-            fitted = np.linalg.lstsq(terms(places), y, rcond=None)[0]
-            scatter = float(np.sqrt(((y - terms(places) @ fitted) ** 2).sum() / left))
-            if scatter > 1e-9 * np.abs(y).max():
-                found.append((f"{scene.name}:{quantity}" + (f"@{group}" if group != "all" else ""), rows[0][1][group, quantity]["unit"], float((terms(points) @ fitted).std()), scatter))
-    return sorted(found, key=lambda entry: -entry[2] / entry[3])[:most]
+    for k, key in enumerate(numbers["keys"]):
+        if key["share_of_bounds"] > FIXED and numbers["proposals"]:
+            fixing = [entry for entry in numbers["proposals"] if entry["fixes"][k]]
+            found.append((k, key, fixing[0] if fixing else min(numbers["proposals"], key=lambda entry: entry["widths"][k])))
+    return found
+
+
+def times(count):
+    return {1: "once", 2: "twice"}.get(count, f"{count} times, on the mean")
+
+
+def next_measurement(numbers):
+    """The section that says which measurement would fix what is open."""
+    text = "\n## What to measure next\n\n"
+    for k, key, entry in best_proposals(numbers):
+        width, now = entry["widths"][k], key["share_of_bounds"]
+        further = max(0, entry["runs"] - entry["runs_there"])
+        runs = f"the {entry['runs_there']} runs of it suffice" if not further else f"that is with its {entry['runs_there']} runs; about {further} more make the most of it"
+        if entry["fixes"][k]:
+            text += (f"- **{entry['number']}**, measured {times(entry['repeats'])}, is expected to narrow the interval of {key['key']} from {percent(now)} to {percent(width)} of its bounds"
+                     f"{', if grains can be tracked' if entry['tracked'] else ''}; {runs}. Give it as a further target: `{entry['number']}=VALUE+-UNCERTAINTY`.\n")
+        else:
+            text += (f"- No number of these runs is expected to narrow the interval of {key['key']} to a third of its bounds (now {percent(now)}). The nearest is {entry['number']}, measured "
+                     f"{times(entry['repeats'])}: {percent(width)}.\n")
+    for scene, why in numbers["not_tried"]:
+        text += f"- {scene} was not tried: {why}\n"
+    shown = numbers["proposals"][:MOST_PROPOSALS]
+    if shown:
+        text += "\n" + table(["number", "change over the posterior (standard deviation)", "scatter of one run", "measured", "runs: there, needed",
+                              *(f"interval / bounds of {key['key']}, now {percent(key['share_of_bounds'])}" for key in numbers["keys"])],
+                             [[entry["number"] + (" (tracked)" if entry["tracked"] else ""), f"{number(entry['change'], 2)} {entry['unit']}", f"{number(entry['scatter'], 2)} {entry['unit']}",
+                               f"{entry['repeats']} x, to +- {number(SIGMAS * entry['deviation'], 2)} {entry['unit']}", f"{entry['runs_there']}, {entry['runs']}",
+                               *(f"**{percent(width)}**" if fixes else percent(width) for width, fixes in zip(entry["widths"], entry["fixes"]))] for entry in shown])
+        text += (f"\nThe {len(shown)} of {len(numbers['proposals'])} numbers that narrow the intervals most, each alone beside the targets that are there; bold where a key is fixed to a third of its "
+                 "bounds; \"tracked\": needs tracked grains, or tomography. Intervals are means over what the measurement might be. The experiment is thought to scatter as one run does, repeated as often as it helps, but its mean to be "
+                 f"no more certain than {100 * FINEST:.0f} % (standard deviation).\n")
+    return text
 
 
 def table(header, rows):
     return "\n".join(["| " + " | ".join(header) + " |", "|" + "---|" * len(header)] + ["| " + " | ".join(row) + " |" for row in rows]) + "\n"
 
 
-def write(settings, runs, summaries, units, measured, surrogates, found, share, why):
-    numbers = judge(settings, measured, surrogates, found, share, why)
+def write(settings, runs, summaries, units, measured, surrogates, found, numbers):
+    """numbers: those of judge, with proposals and not_tried."""
     failed = sum("failed" in run for run in runs.all.values())
     said = verdicts(settings, numbers, units, failed)
     rows, seconds = [], 0.0
-    for name, run in runs.all.items():
-        scene = next(scene for scene in settings.scenes if scene.name == run["scene"])
+    scenes = {scene.name: scene for scene in [*settings.scenes, *settings.experiments]}
+    everything = runs.of(scenes.values())
+    for name, run in everything.items():
+        scene = scenes[run["scene"]]
         record = {"outcome": "invalid"} if "failed" in run else record_of(os.path.join(scene.folder, name))
         seconds += record.get("wall_seconds", 0)
         values = [summaries.value(target, name) if target.scene.name == run["scene"] and "failed" not in run else None for target in settings.targets]
@@ -137,7 +164,7 @@ def write(settings, runs, summaries, units, measured, surrogates, found, share, 
         out.writerows(rows)
     with open("calibration.json", "w", encoding="utf-8") as file:
         json.dump({"format": "scree-calibration-result", "format_version": 1, **numbers, "verdicts": [{"outcome": outcome, "text": text} for outcome, text in said],
-                   "units": units, "runs": len(rows), "failed": failed, "budget": settings.budget, "wall_seconds": seconds}, file, indent=1)
+                   "units": units, "runs": len(runs.all), "survey_runs": len(rows) - len(runs.all), "failed": failed, "budget": settings.budget, "wall_seconds": seconds}, file, indent=1)
 
     short = [key.name for key in settings.keys]
     with open("calibration.md", "w", encoding="utf-8") as file:
@@ -162,15 +189,12 @@ def write(settings, runs, summaries, units, measured, surrogates, found, share, 
                              [[*(number(x) for x in station["keys"]), *(number(x, 4) for x in station["answers"])] for station in numbers["ridge"]]))
         else:
             file.write("There is one key only.\n")
-        others = other_numbers(settings, runs, summaries, found.even(500)) if any(key["share_of_bounds"] > OPEN for key in numbers["keys"]) or any(
-            pair["told_apart"] == "no" for pair in numbers["pairs"]) else []
-        if others:
-            file.write("\nOther numbers of these runs, by how far they change over the posterior. To measure one whose change is larger than its scatter, and to give it as a "
-                       "further target, narrows the intervals; the runs are there already.\n\n")
-            file.write(table(["number", "change over the posterior (standard deviation)", "scatter of one run", "ratio"],
-                             [[name, f"{number(change, 2)} {unit}", f"{number(scatter, 2)} {unit}", f"{change / scatter:.1f}"] for name, unit, change, scatter in others]))
-        ended = {"precise": f"the surrogate was known to {settings.stop:g} of the measurements", "budget": "the budget was spent"}[why]
-        file.write(f"\n![The posterior](posterior.png)\n\n## Budget\n\n{len(rows)} of {settings.budget} runs, {failed} of them invalid; {seconds:.0f} s of solver time. It ended since {ended}. "
+        if is_open(numbers):
+            file.write(next_measurement(numbers))
+        ended = {"precise": f"the surrogate was known to {settings.stop:g} of the measurements", "budget": "the budget was spent"}[numbers["stopped"]]
+        surveyed = len(rows) - len(runs.all)
+        further = f", and {surveyed} of experiments without a target" if surveyed else ""
+        file.write(f"\n![The posterior](posterior.png)\n\n## Budget\n\n{len(runs.all)} of {settings.budget} runs, {failed} of them invalid{further}; {seconds:.0f} s of solver time. It ended since {ended}. "
                    "All runs: `runs.csv`. A larger `budget=` or changed targets continue with these runs.\n")
     draw_surface(settings, measured, surrogates, found, units, numbers)
     draw_posterior(settings, found, numbers)

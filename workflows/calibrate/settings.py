@@ -9,12 +9,13 @@ from dataclasses import dataclass
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 from run_record import NUMBER, quantity_of, unit_of  # noqa: E402
 
-SCENES = {"heap": "--frames last --repose cone", "drum": "--from 0.4 --repose slope"}   # of this folder: words of scree-post statistics
+# of this folder: words of scree-post statistics
+SCENES = {"heap": "--frames last --repose cone", "drum": "--from 0.4 --repose slope", "slide": "--frames last"}
 OWN = "calibrate"
 KINDS = ("mean", "last", "min", "max")
 EXAMPLE = {"target": "heap:angle_of_repose=15+-1;drum:angle_of_repose=37+-1", "keys": "pairs.0.friction=0.05..0.8;pairs.0.rolling_friction=0..0.5"}
 # the other words of --config, and what they are when not given; all else goes on to the workflow of the case
-DEFAULTS = {"case": "heap", "set": "", "budget": 56, "start": None, "replicas": 3, "batch": 4, "stop": 0.3, "seed": 1}
+DEFAULTS = {"case": "heap", "set": "", "budget": 56, "start": None, "replicas": 3, "batch": 4, "stop": 0.3, "seed": 1, "experiments": None, "survey": 12}
 MOST_KEYS = 6
 FEWEST = 6            # answers that a surrogate is made from
 REPLICATED = 2        # points that are run with several seeds
@@ -89,6 +90,8 @@ class Settings:
     batch: int
     stop: float
     seed: int
+    survey: int              # runs of each experiment that has no target
+    experiments: tuple       # scenes without a target, of which one may be proposed
     words: tuple             # for workflows/run --config
 
     @property
@@ -104,22 +107,21 @@ def parts_of(text):
     return [part.strip() for part in text.split(";") if part.strip()]
 
 
-def scene_of(prefix, default, folder):
-    name = prefix or default
+def scene_of(name, folder, what):
     if name.endswith(".toml"):
         path = os.path.abspath(os.path.join(folder, name))
         if not os.path.isfile(path):
-            raise ValueError(f"target: there is no case file {path}; give its path from the folder where workflows/run is called, or from /")
+            raise ValueError(f"{what}: there is no case file {path}; give its path from the folder where workflows/run is called, or from /")
         return Scene(os.path.basename(path).removesuffix(".toml"), path, None)
     if name in SCENES:
         return Scene(name, OWN, name)
     case, slash, run = name.partition("/")
     if not re.fullmatch(r"[A-Za-z0-9_-]+", case) or (slash and not run):
-        raise ValueError(f"target: '{name}:' found before the quantity; expected {', '.join(SCENES)}, a case such as column, CASE/RUN such as repose/repose-ball, or PATH/case.toml")
+        raise ValueError(f"{what}: '{name}' found as a scene; expected {', '.join(SCENES)}, a case such as column, CASE/RUN such as repose/repose-ball, or PATH/case.toml")
     here = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     if case == OWN or not os.path.isfile(os.path.join(here, case, "Snakefile")):
         there = sorted(name for name in os.listdir(here) if os.path.isfile(os.path.join(here, name, "Snakefile")) and name != OWN)
-        raise ValueError(f"target: there is no scene and no case '{case}'; scenes: {', '.join(SCENES)}; cases: {', '.join(there)}")
+        raise ValueError(f"{what}: there is no scene and no case '{case}'; scenes: {', '.join(SCENES)}; cases: {', '.join(there)}")
     return Scene(name, case, run or None)
 
 
@@ -140,7 +142,7 @@ def target_of(part, default, folder):
     uncertainty = float(match["uncertainty"])
     if not uncertainty > 0:
         raise ValueError(f"target: '{part}': the uncertainty is {uncertainty:g}; expected one above 0: half of the 95 % interval of the measurement")
-    return Target(scene_of((match["scene"] or "").strip(), default, folder), match["quantity"], (match["group"] or "all").strip(), kind, part.split("=", 1)[1].strip(),
+    return Target(scene_of((match["scene"] or "").strip() or default, folder, "target"), match["quantity"], (match["group"] or "all").strip(), kind, part.split("=", 1)[1].strip(),
                   float(match["value"]), uncertainty, unit)
 
 
@@ -149,7 +151,7 @@ def path_of(text, scenes, what):
     prefix, colon, path = text.strip().rpartition(":")
     names = [scene.name for scene in scenes]
     if colon and prefix.strip() not in names:
-        raise ValueError(f"{what}: '{text.strip()}': no target has the scene '{prefix.strip()}'; they have: {', '.join(names)}")
+        raise ValueError(f"{what}: '{text.strip()}': no target has the scene '{prefix.strip()}'; there are: {', '.join(names)}")
     path = path.strip()
     if not re.fullmatch(r"[^\s.=]+(\.[^\s.=]+)*", path):
         raise ValueError(f"{what}: '{text.strip()}' found; expected a key of the case such as pairs.0.friction (decomposer/CASE.md)")
@@ -182,6 +184,22 @@ def key_of(part, scenes):
         if path == "seed":
             raise ValueError("keys: 'seed' is what replicas differ in; it cannot be fitted")
     return Key(paths[0][1], paths, bottom, top, unit, log)
+
+
+def experiments_of(text, scenes, folder):
+    """The scenes that have no target, and may be proposed. Those of this folder have their grains in the same places of the case; of another case only its
+    author knows what the keys are there."""
+    if text is None:
+        names = SCENES if all(scene.case == OWN for scene in scenes) else ()
+    else:
+        names = [] if text.strip() == "none" else parts_of(text)
+    found = [scene_of(name, folder, "experiments") for name in names]
+    for scene in found:
+        if [other.name for other in found].count(scene.name) > 1:
+            raise ValueError(f"experiments: {scene.name} is there twice")
+        if text is not None and scene in scenes:
+            raise ValueError(f"experiments: {scene.name} has a target; give scenes that have none, or experiments=none")
+    return tuple(scene for scene in found if scene not in scenes)
 
 
 def number_of(config, name, kind, low):
@@ -223,6 +241,7 @@ def read(config, folder="."):
     for scene in scenes:
         if [other.name for other in scenes].count(scene.name) > 1:
             raise ValueError(f"target: two scenes are called {scene.name}; give one of the case files another name")
+    experiments = experiments_of(config.get("experiments"), scenes, folder)
     keys = tuple(key_of(part, scenes) for part in parts_of(asked["keys"]))
     if not 1 <= len(keys) <= MOST_KEYS:
         raise ValueError(f"keys: {len(keys)} found; expected 1 to {MOST_KEYS}")
@@ -235,14 +254,14 @@ def read(config, folder="."):
         path, equals, value = part.partition("=")
         if not equals or not value.strip():
             raise ValueError(f"set: '{part}' found; expected KEY=VALUE, for instance populations.0.count=400")
-        scene, path = path_of(path, scenes, "set")
+        scene, path = path_of(path, [*scenes, *experiments], "set")
         fixed.append((scene, f"{path}={value.strip()}"))
     numbers = {name: number_of(config, name, kind, low) for name, kind, low in (
-        ("budget", int, 1), ("start", int, 4), ("replicas", int, 1), ("batch", int, 1), ("stop", float, 0), ("seed", int, 0))}
+        ("budget", int, 1), ("start", int, 4), ("replicas", int, 1), ("batch", int, 1), ("stop", float, 0), ("seed", int, 0), ("survey", int, FEWEST))}
     numbers["start"] = numbers["start"] or 8 + 4 * len(keys)
     ours = {*DEFAULTS, *EXAMPLE}
     words = {"ranks": "1", **{name: value for name, value in config.items() if name not in ours}}
-    settings = Settings(targets, keys, tuple(fixed), **numbers, words=tuple(f"{name}={value}" for name, value in words.items()))
+    settings = Settings(targets, keys, tuple(fixed), **numbers, experiments=experiments, words=tuple(f"{name}={value}" for name, value in words.items()))
     each = settings.first_runs // len(scenes)
     if each < FEWEST:
         raise ValueError(f"start={settings.start} with replicas={settings.replicas} makes {each} runs of a scene; a fit needs {FEWEST} at least: give start={FEWEST} or more")
