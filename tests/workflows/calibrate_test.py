@@ -3,7 +3,7 @@
 
 - Intervals hold the hidden keys as often as they say, over many seeds, with one answer and with two.
 - The surrogate finds the noise, and says where it does not know the answer.
-- A ridge is reported as one, with its number; keys that are told apart are not; answers out of reach and intervals at a bound are said.
+- A ridge is reported as one, with its number; keys that are distinguished are not; answers out of reach and intervals at a bound are said.
 - The loop stops by itself or at the budget; killed anywhere and begun again, it repeats no run and ends with the same numbers.
 - Wrong words are refused with what was found and what was expected.
 """
@@ -186,12 +186,12 @@ def said(settings, result, failed=0):
 
 settings, _, _, result = loop("ridge", {**WORDS, "target": "heap:angle_of_repose=22+-1.5", "budget": "30"})
 numbers, text = said(settings, result, failed=1)
-assert "cannot be told apart" in text and min(numbers["pairs"][0]["narrowing"]) < page.NOT_APART, (numbers["pairs"], text)
+assert "cannot be distinguished" in text and min(numbers["pairs"][0]["narrowing"]) < page.NOT_APART, (numbers["pairs"], text)
 ridge = [station["answers"][0] for station in numbers["ridge"]]
 assert max(ridge) - min(ridge) < 4 and numbers["ridge"][0]["keys"] != numbers["ridge"][-1]["keys"], numbers["ridge"]   # of the 17 degrees that the box has
 assert "1 runs became invalid" in text
 numbers, text = said(settings := read(WORDS), whole)
-assert numbers["pairs"][0]["told_apart"] == "yes" and "cannot be told apart" not in text, (numbers["pairs"], text)
+assert numbers["pairs"][0]["told_apart"] == "yes" and "cannot be distinguished" not in text, (numbers["pairs"], text)
 settings, _, _, result = loop("far", {**WORDS, "target": "heap:angle_of_repose=60+-1", "budget": "18"})
 numbers, text = said(settings, result)
 assert "No keys within the bounds give the measured heap:angle_of_repose" in text and numbers["answers"][0]["off"] < -3, text

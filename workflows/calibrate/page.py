@@ -14,7 +14,7 @@ from settings import SIGMAS  # noqa: E402
 from run_record import record_of  # noqa: E402  the folder above, which settings adds to the path
 
 BLUE, ORANGE, GREEN, BLACK = "#0072B2", "#D55E00", "#009E73", "#000000"   # Okabe and Ito (2008)
-NOT_APART = 0.6     # deviation of a key where another is known, over that where it is not, below which the two are not told apart
+NOT_APART = 0.6     # deviation of a key where another is known, over that where it is not, below which the two are not distinguished
 OPEN = 0.6          # width of an interval over that of the bounds, above which the answers do not fix a key
 OFF = 2.5           # standard deviations between measured and computed answer, above which no keys within the bounds give it
 SPREAD = 1.5        # root mean square of the runs left out, above which the surrogate is too sure of itself
@@ -77,7 +77,7 @@ def verdicts(settings, numbers, units, failed):
     for pair in numbers["pairs"]:
         if pair["told_apart"] != "yes":
             a, b = pair["keys"]
-            found.append(("doubtful", f"{a} and {b} cannot be told apart by these answers: {'neither is fixed; ' if pair['told_apart'] != 'no' else ''}if one were known, the interval "
+            found.append(("doubtful", f"{a} and {b} cannot be distinguished by these answers: {'neither is fixed; ' if pair['told_apart'] != 'no' else ''}if one were known, the interval "
                                       f"of the other would be {1 / min(pair['narrowing']):.1f} times narrower. See the ridge below; a target that depends on them in another way cuts it."))
     if numbers["stopped"] == "budget":
         most = max(answer["surrogate_share"] for answer in numbers["answers"])
@@ -179,9 +179,9 @@ def write(settings, runs, summaries, units, measured, surrogates, found, numbers
                            f"{number(answer['computed'], 4)} +- {number(answer['computed_ci95'], 2)}", f"{answer['off']:+.1f}", f"{number(answer['noise'], 2)} {unit}",
                            str(answer["runs"]), f"{answer['left_out_rms']:.1f}, {answer['left_out_most']:.1f}"] for answer, unit in zip(numbers["answers"], units)]))
         file.write("\n\"Left out\": how far a run lies off what all others say of it, in standard deviations; about 1 (and rarely above 3) where the surrogate is right about itself.\n"
-                   "\n![What the answers are over the keys](surface.png)\n\n## What cannot be told apart\n\n")
+                   "\n![What the answers are over the keys](surface.png)\n\n## What cannot be distinguished\n\n")
         if numbers["pairs"]:
-            file.write(table(["keys", "told apart", "correlation", "deviation of the first if the second were known, of what it is", "of the second if the first were known"],
+            file.write(table(["keys", "distinguished", "correlation", "deviation of the first if the second were known, of what it is", "of the second if the first were known"],
                              [[" and ".join(pair["keys"]), "yes" if pair["told_apart"] == "yes" else f"**{pair['told_apart']}**", f"{pair['correlation']:+.2f}", f"{100 * pair['narrowing'][0]:.0f} %",
                                f"{100 * pair['narrowing'][1]:.0f} %"] for pair in numbers["pairs"]]))
             file.write("\nAlong the widest direction of the posterior, from one end to the other: different keys, much the same answers.\n\n")
@@ -294,7 +294,7 @@ def draw_posterior(settings, found, numbers):
                 line = np.array([station["keys"] for station in numbers["ridge"]])
                 plot.plot(line[:, column], line[:, row], "-o", color=ORANGE, markersize=4, label="along the ridge")
                 pair = next(pair for pair in numbers["pairs"] if pair["keys"] == [key.name, other.name])
-                plot.set_title(f"{dict(yes='told apart', no='NOT told apart').get(pair['told_apart'], pair['told_apart'])}: one known,\nthe other has {100 * min(pair['narrowing']):.0f} % of its deviation", fontsize="small")
+                plot.set_title(f"{dict(yes='distinguished', no='NOT distinguished').get(pair['told_apart'], pair['told_apart'])}: one known,\nthe other has {100 * min(pair['narrowing']):.0f} % of its deviation", fontsize="small")
                 plot.legend(fontsize="small", loc="best")
             if row == dimension - 1:
                 plot.set_xlabel(label(key))

@@ -87,7 +87,7 @@ def posterior(surrogates, measured, dimension, seed=0, count=POINTS):
 
 
 def narrowing(points, one, other, bins=12):
-    """Deviation of one key where the other is known, over its deviation where it is not: near 1 when they are told apart, near 0 on a ridge.
+    """Deviation of one key where the other is known, over its deviation where it is not: near 1 when they are distinguished, near 0 on a ridge.
     points: of equal weight."""
     order = np.argsort(points[:, other], kind="stable")
     within = np.mean([points[part, one].var() for part in np.array_split(order, bins)])
