@@ -179,35 +179,43 @@ def housner_quarter(alpha, p, fraction):
 
 
 # --- rigid blocks in a plane: loads at given points (Heyman's static theorem)
-def least_friction(blocks, contacts, highest=4.0):
-    """Smallest coefficient of friction for which blocks can be in equilibrium under their weights, by linear programming.
+def can_stand(blocks, contacts, mu, down=(0, -1)):
+    """Can blocks be in equilibrium under their weights with friction mu? By linear programming: is there a set of loads within the cones?
 
     blocks [(x, z, weight)]; contacts [(a, b, point, normal)]: load on block b (an index, or None for the ground) comes from a,
-    unit normal into b. Below it nothing can stand; above it a set of loads exists. None if friction alone cannot help.
+    unit normal into b; down: where weights pull. Without it nothing can stand; with it a set of loads exists (Heyman 1966), which with
+    friction that depends on the load need not be the one that comes.
     """
-    def possible(mu):
-        columns = []
-        for a, b, point, normal in contacts:
-            n = numpy.asarray(normal, float)
-            t = numpy.array([n[1], -n[0]])
-            for direction in (n + mu * t, n - mu * t):  # the edges of the cone
-                column = numpy.zeros(3 * len(blocks))
-                for body, sign in ((a, -1), (b, 1)):
-                    if body is not None:
-                        rx, rz = numpy.asarray(point, float) - blocks[body][:2]
-                        column[3 * body:3 * body + 3] += sign * numpy.array([*direction, rx * direction[1] - rz * direction[0]])
-                columns.append(column)
-        load = numpy.concatenate([[0, weight, 0] for _, _, weight in blocks])
-        scale = max(weight for _, _, weight in blocks)
-        result = linprog(numpy.ones(len(columns)), A_eq=numpy.array(columns).T, b_eq=load / scale, bounds=(0, None), method="highs")
-        return result.status == 0
-    if not possible(highest):
+    columns = []
+    for a, b, point, normal in contacts:
+        n = numpy.asarray(normal, float)
+        t = numpy.array([n[1], -n[0]])
+        for direction in (n + mu * t, n - mu * t):  # the edges of the cone
+            column = numpy.zeros(3 * len(blocks))
+            for body, sign in ((a, -1), (b, 1)):
+                if body is not None:
+                    rx, rz = numpy.asarray(point, float) - blocks[body][:2]
+                    column[3 * body:3 * body + 3] += sign * numpy.array([*direction, rx * direction[1] - rz * direction[0]])
+            columns.append(column)
+    load = numpy.concatenate([[-weight * down[0], -weight * down[1], 0] for _, _, weight in blocks])
+    scale = max(weight for _, _, weight in blocks)
+    result = linprog(numpy.ones(len(columns)), A_eq=numpy.array(columns).T, b_eq=load / scale, bounds=(0, None), method="highs")
+    return result.status == 0
+
+
+def threshold(holds, low, high, tolerance=1e-6):
+    """Where a statement becomes true between low, where it is false, and high; None where it is false there, too."""
+    if not holds(high):
         return None
-    low, high = 0.0, highest
-    for _ in range(40):
+    while high - low > tolerance * max(abs(low), abs(high)):
         middle = (low + high) / 2
-        low, high = (low, middle) if possible(middle) else (middle, high)
+        low, high = (low, middle) if holds(middle) else (middle, high)
     return high
+
+
+def least_friction(blocks, contacts, highest=4.0):
+    """Smallest coefficient of friction for which blocks can be in equilibrium under their weights. None if friction alone cannot help."""
+    return threshold(lambda mu: can_stand(blocks, contacts, mu), 0.0, highest, 1e-9)
 
 
 def ladder_angle(length, thickness, margin, mu):
