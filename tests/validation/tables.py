@@ -22,7 +22,7 @@ its reason. Made by `./workflows/run validation`; the file is its `validation.md
 
 GROUPS = {
     "G": "mass properties", "C": "normal contact; C4 to C11 are tests 1 to 8 of Chung and Ooi, Granular Matter 13 (2011) 643",
-    "I": "impulses of bodies off centre", "F": "friction and rolling", "R": "free rotation", "S": "statics", "M": "masonry", "N": "concave bodies",
+    "I": "impulses of bodies off centre", "F": "friction and rolling", "R": "free rotation", "S": "statics", "M": "arches and dominoes", "N": "concave bodies",
     "B": "packings and silos", "D": "drag in a fluid", "E": "starts from a run", "Q": "inlets and outlets", "K": "belts and turntables", "L": "walls that answer to load", "T": "where touch begins", "W": "load maps and wear",
     "A": "attraction", "J": "bonds", "Y": "bodies that sleep", "V": "bodies in valleys", "O": "beyond the maximum overlap", "H": "heat", "Z": "periodic cells"}
 
