@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Are hidden keys found again? usage: calibrate_study.py RUNNER BIN SCRATCH [--replicas 10] [--rows ROWS.csv]
+"""Are hidden keys found again? usage: calibrate_study.py RUNNER BIN SCRATCH [--replicas 10] [--rows ROWS.csv] [--slide]
 
 Each replica hides a friction and a rolling friction, lets Scree itself give the answers (the mass of a heap on a disc and the angle in a drum, means over
 SEEDS seeds, with the 95 % interval of Student's t), and has workflows/run calibrate fit both keys to these answers. Hidden keys are a Latin hypercube
@@ -25,6 +25,7 @@ parser.add_argument("bin")
 parser.add_argument("scratch", type=pathlib.Path)
 parser.add_argument("--replicas", type=int, default=10)
 parser.add_argument("--rows", type=pathlib.Path)
+parser.add_argument("--slide", action="store_true", help="the way of a sled as a third answer, known to 4 %: friction is then fixed to a third of its bounds")
 WORDS = parser.parse_args()
 ROWS = WORDS.rows or WORDS.scratch / "rows.csv"
 ENV = dict(os.environ, SCREE_BIN=WORDS.bin)
@@ -36,6 +37,9 @@ HEAP = {"populations.0.count": "300", "populations.0.region.cylinder.radius": "1
 DRUM = {"populations.0.count": "90", "domain.min.1": "-6 mm", "domain.max.1": "6 mm", "time.duration": "0.9 s", "populations.0.region.box.0.1": "-6 mm",
         "populations.0.region.box.1.1": "6 mm"}
 TARGETS = {("heap", "mass"): HEAP, ("drum", "angle_of_repose"): DRUM}
+if WORDS.slide:
+    TARGETS["slide", "centre_of_mass_x"] = {}
+FINEST = {"slide": 0.04}   # half of the 95 % interval over the value, where seeds make no difference
 SEEDS = 6
 CALIBRATION = {"budget": 48, "start": 12, "batch": 8}
 COLUMNS = ["replica", "runs", "solver_seconds", *(f"{key}{end}" for key in KEYS for end in ("", "_low", "_high", "_value", "_inside")), "told_apart", "stopped"]
@@ -60,7 +64,10 @@ def measure(hidden, folder, number):
             with open(folder / f"{scene}-{seed}.statistics" / "summary.csv", encoding="utf-8", newline="") as file:
                 values += [float(row["mean"]) for row in csv.DictReader(file) if (row["group"], row["quantity"]) == ("all", quantity)]
         assert len(values) == SEEDS, values
-        found[scene, quantity] = np.mean(values), student.ppf(0.975, SEEDS - 1) * np.std(values, ddof=1) / np.sqrt(SEEDS)
+        half = student.ppf(0.975, SEEDS - 1) * np.std(values, ddof=1) / np.sqrt(SEEDS)
+        # a laboratory's mean is off by something
+        off = FINEST.get(scene, 0) * np.random.default_rng(number).standard_normal() / 1.96
+        found[scene, quantity] = np.mean(values) * (1 + off), max(half, FINEST.get(scene, 0) * np.mean(values))
     return found
 
 
@@ -70,7 +77,7 @@ def replica(number, hidden):
     target = ";".join(f"{scene}:{quantity}={mean:.6g}+-{half:.3g}" for (scene, quantity), (mean, half) in measured.items())
     run("--out", folder / "calibration", "--cores", 1, "--config", f"target={target}", "keys=" + ";".join(f"{key}={low}..{high}" for key, (low, high) in KEYS.items()),
         "set=" + ";".join(f"{scene}:{key}={value}" for (scene, _), sets in TARGETS.items() for key, value in sets.items()),
-        f"seed={number + 1}", *(f"{name}={value}" for name, value in CALIBRATION.items()))
+        f"seed={number + 1}", "experiments=none", *(f"{name}={value}" for name, value in CALIBRATION.items()))
     numbers = json.loads((folder / "calibration" / "calibration.json").read_text())
     row = {"replica": number, "runs": numbers["runs"], "solver_seconds": round(numbers["wall_seconds"]), "stopped": numbers["stopped"],
            "told_apart": numbers["pairs"][0]["told_apart"]}
@@ -108,5 +115,6 @@ for key, (low, high) in KEYS.items():
     width = np.mean([float(row[key + "_high"]) - float(row[key + "_low"]) for row in rows]) / (high - low)
     print(f"{key}: inside in {inside} of {len(rows)}; mean width {100 * width:.0f} % of the bounds")
     assert inside >= 0.9 * len(rows), f"{key}: inside in {inside} of {len(rows)} only"
-    assert width < 0.8, f"{key}: the intervals say nothing: {100 * width:.0f} % of the bounds"
+    limit = 1 / 3 if WORDS.slide and key == "pairs.0.friction" else 0.8
+    assert width < limit, f"{key}: the intervals say nothing: {100 * width:.0f} % of the bounds"
 assert all(int(row["runs"]) < 60 for row in rows), rows

@@ -190,11 +190,13 @@ assert "cannot be distinguished" in text and min(numbers["pairs"][0]["narrowing"
 ridge = [station["answers"][0] for station in numbers["ridge"]]
 assert max(ridge) - min(ridge) < 4 and numbers["ridge"][0]["keys"] != numbers["ridge"][-1]["keys"], numbers["ridge"]   # of the 17 degrees that the box has
 assert "1 runs became invalid" in text
+assert page.is_open(numbers)
 numbers, text = said(settings := read(WORDS), whole)
 assert numbers["pairs"][0]["told_apart"] == "yes" and "cannot be distinguished" not in text, (numbers["pairs"], text)
 settings, _, _, result = loop("far", {**WORDS, "target": "heap:angle_of_repose=60+-1", "budget": "18"})
 numbers, text = said(settings, result)
 assert "No keys within the bounds give the measured heap:angle_of_repose" in text and numbers["answers"][0]["off"] < -3, text
+assert not page.is_open(numbers)   # intervals mean nothing there: nothing is proposed
 
 # --- what to measure next: the expected width of an interval is the width that comes out, on the mean, when the number is then measured
 random = np.random.default_rng(4)

@@ -61,7 +61,8 @@ def proposal(points, surrogate, stop, now):
     in   stop    the surrogate is to be known to this fraction of the measurement
     in   now     D, the widths of the intervals
     out  change over the posterior and scatter of one run; repeats of the experiment and widths then, and the runs from which on the surrogate adds nothing to them
-    The widths are those with the runs that are there: further runs may as well show that a number does not depend on the keys. The repeats are the fewest that fix a key that is open now; without such, those of the narrowest intervals.
+    The widths are those with the runs that are there: further runs may as well show that a number does not depend on the keys. The repeats are the fewest that fix a key that is open now; without such, those of the
+    narrowest intervals.
     """
     mean, unsure = surrogate.predict(points)
     finest = FINEST * float(np.abs(np.median(mean)))
@@ -77,15 +78,15 @@ def proposal(points, surrogate, stop, now):
     return {"change": float(mean.std()), "scatter": surrogate.noise, **best}
 
 
-def numbers_of(runs, summaries, scene, folder_of):
-    """Numbers of a scene's runs that can be measured: (group, quantity), unit, places, values. Constants and twins are left out."""
+def numbers_of(runs, summaries, scene, targets, folder_of):
+    """Numbers of a scene's runs that can be measured: (group, quantity), unit, places, values. Constants, targets and what says the same as they do are left out."""
     rows = [(run["place"], summaries.of(scene, name)) for name, run in runs.of([scene]).items()
             if "failed" not in run and os.path.exists(os.path.join(folder_of(scene, name), "statistics.json"))]
     found = []
     if len(rows) < FEWEST:
         return found
     easier_first = {quantity: place for place, quantity in enumerate(EASY + TRACKED)}
-    for group, quantity in sorted((name for name in rows[0][1] if name[1] in easier_first), key=lambda name: easier_first[name[1]]):
+    for group, quantity in sorted((name for name in rows[0][1] if name[1] in easier_first), key=lambda name: (name not in targets, easier_first[name[1]])):
         values = [row.get((group, quantity), {}).get("mean") for _, row in rows]
         if not all(values):
             continue
@@ -95,7 +96,7 @@ def numbers_of(runs, summaries, scene, folder_of):
         if any(abs(np.corrcoef(y, other)[0, 1]) > TWINS for _, _, _, other in found):
             continue
         found.append(((group, quantity), rows[0][1][group, quantity]["unit"], np.array([place for place, _ in rows]), y))
-    return found
+    return [entry for entry in found if entry[0] not in targets]
 
 
 def proposals(settings, runs, summaries, found, folder_of):
@@ -105,11 +106,11 @@ def proposals(settings, runs, summaries, found, folder_of):
     """
     points = found.even(POINTS)
     now = np.array([high - low for low, high in map(found.interval, range(len(settings.keys)))])
-    targets = {(target.scene.name, target.group, target.quantity) for target in settings.targets}
     entries = []
     for scene in [*settings.scenes, *settings.experiments]:
-        for (group, quantity), unit, places, values in numbers_of(runs, summaries, scene, folder_of):
-            if (scene.name, group, quantity) not in targets:
-                entries.append({"number": f"{scene.name}:{quantity}" + (f"@{group}" if group != "all" else ""), "unit": unit, "runs_there": len(values), "tracked": quantity in TRACKED,
-                                **proposal(points, Surrogate(places, values), settings.stop, now)})
-    return sorted(entries, key=lambda entry: (not any(entry["fixes"]), entry["tracked"], -sum(entry["fixes"]), entry["repeats"] if any(entry["fixes"]) else 0, float(np.prod(np.array(entry["widths"]) / now))))
+        targets = {(target.group, target.quantity) for target in settings.targets if target.scene == scene}
+        for (group, quantity), unit, places, values in numbers_of(runs, summaries, scene, targets, folder_of):
+            entries.append({"number": f"{scene.name}:{quantity}" + (f"@{group}" if group != "all" else ""), "unit": unit, "runs_there": len(values), "tracked": quantity in TRACKED,
+                            **proposal(points, Surrogate(places, values), settings.stop, now)})
+    return sorted(entries, key=lambda entry: (not any(entry["fixes"]), entry["tracked"], -sum(entry["fixes"]), entry["repeats"] if any(entry["fixes"]) else 0,
+                                              float(np.prod(np.array(entry["widths"]) / now))))

@@ -89,8 +89,8 @@ def verdicts(settings, numbers, units, failed):
 
 
 def is_open(numbers):
-    """Is there a key that the answers do not fix, or a pair that they do not tell apart?"""
-    return any(key["share_of_bounds"] > FIXED for key in numbers["keys"]) or any(pair["told_apart"] == "no" for pair in numbers["pairs"])
+    """Is there a key that the answers do not fix, or a pair that they do not distinguish? Not where no keys give the answers: then intervals mean nothing."""
+    return all(abs(answer["off"]) <= OFF for answer in numbers["answers"]) and (any(key["share_of_bounds"] > FIXED for key in numbers["keys"]) or any(pair["told_apart"] == "no" for pair in numbers["pairs"]))
 
 
 def percent(share):
@@ -124,6 +124,8 @@ def next_measurement(numbers):
         else:
             text += (f"- No number of these runs is expected to narrow the interval of {key['key']} to a third of its bounds (now {percent(now)}). The nearest is {entry['number']}, measured "
                      f"{times(entry['repeats'])}: {percent(width)}.\n")
+    if not numbers["proposals"] and not numbers["not_tried"]:
+        text += "No other number of these runs can be measured, and no experiment without a target was tried (`experiments=`).\n"
     for scene, why in numbers["not_tried"]:
         text += f"- {scene} was not tried: {why}\n"
     shown = numbers["proposals"][:MOST_PROPOSALS]

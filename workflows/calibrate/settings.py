@@ -7,7 +7,7 @@ import sys
 from dataclasses import dataclass
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-from run_record import NUMBER, quantity_of, unit_of  # noqa: E402
+from run_record import NUMBER, unit_of  # noqa: E402
 
 # of this folder: words of scree-post statistics
 SCENES = {"heap": "--frames last --repose cone", "drum": "--from 0.4 --repose slope", "slide": "--frames last"}
