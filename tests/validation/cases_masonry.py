@@ -100,15 +100,17 @@ def stays(tools, report, name, *words, **more):
 
 @case("M1", "U", "arches of voussoirs: least thickness", "Heyman, Int. J. Solids Struct. 2 (1966) 249; Milankovitch 1907; linear programming")
 def m1(tools, report):
-    """Joints give under thrust, which brings the fall nearer: at 0.2 GN/m an arch of seven falls up to 1.005 times its least thickness, at 1 GN/m it stands there."""
+    """Joints give under thrust, which brings the fall nearer, the more joints the more: an arch of seven falls at 1.005 times its least thickness with contacts of
+    0.2 GN/m and stands there with 1 GN/m; one of 32 falls there with 1 GN/m and stands with 4."""
     for count, published in LEAST_THICKNESS.items():
         report.check(f"{count} voussoirs: least thickness, by linear programming", least_thickness(count, 0.0), published, 6e-5, "absolute")
     for count in tools.sized((7,), (7, 8, 11, 13, 16, 21, 32)):
         rounded = least_thickness(count, MARGIN)
         report.check(f"{count} voussoirs, rounded with {MARGIN:g} of the radius: what that adds to the least thickness, over twice the rounding",
                      (rounded - least_thickness(count, 0.0)) / (2 * MARGIN), 1.0, .025)
-        falls(tools, report, f"{count} voussoirs, 0.995 of the least thickness", Arch(count, .995 * rounded, MARGIN), 1.0, 1e9)
-        stays(tools, report, f"{count} voussoirs, 1.005 of the least thickness", Arch(count, 1.005 * rounded, MARGIN), 1.0, 1e9)
+        stiffness = 1e9 if count < 32 else 4e9
+        falls(tools, report, f"{count} voussoirs, 0.995 of the least thickness", Arch(count, .995 * rounded, MARGIN), 1.0, stiffness)
+        stays(tools, report, f"{count} voussoirs, 1.005 of the least thickness", Arch(count, 1.005 * rounded, MARGIN), 1.0, stiffness)
 
 
 @case("M2", "N", "arches of voussoirs: least friction, greatest tilt of the ground", "linear programming")
