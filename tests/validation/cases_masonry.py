@@ -74,7 +74,7 @@ MARGIN = 1e-3                          # over the mean radius
 def run_arch(tools, report, name, arch, friction, stiffness, tilt=0.0):
     """The arch on a ground that is tilted from the start. Gives how far the stone that moves most has moved after 1.5 s, over the mean radius, and the greatest
     speed then [m/s]. A stone falls by the radius in 0.45 s."""
-    c = Case(name, duration=1.5, steps_per_contact=12, gravity=(G * math.sin(tilt), 0, -G * math.cos(tilt)), margin=arch.margin, every=.15)
+    c = Case("M-" + name.replace(",", "").replace(" ", "-"), duration=1.5, steps_per_contact=12, gravity=(G * math.sin(tilt), 0, -G * math.cos(tilt)), margin=arch.margin, every=.15)
     c.mesh("stone", meshes.centred(meshes.prism(arch.outline, .2)))
     c.material("m", 1000.0)
     c.pair_all(stiffness=stiffness, restitution=.1, friction=friction)
@@ -87,13 +87,13 @@ def run_arch(tools, report, name, arch, friction, stiffness, tilt=0.0):
 
 
 def falls(tools, report, name, *words, **more):
-    moved, _ = run_arch(tools, report, "M-" + name.replace(",", "").replace(" ", "-"), *words, **more)
+    moved, _ = run_arch(tools, report, name, *words, **more)
     report.at_least(f"{name}: a stone has moved by, over the radius", moved, .1)
 
 
 def stays(tools, report, name, *words, **more):
     """Joints give by a few micrometres; the springs that this leaves ring with less than a millimetre a second."""
-    moved, speed = run_arch(tools, report, "M-" + name.replace(",", "").replace(" ", "-"), *words, **more)
+    moved, speed = run_arch(tools, report, name, *words, **more)
     report.at_most(f"{name}: a stone has moved by, over the radius", moved, 2e-4)
     report.at_most(f"{name}: speed in the end [m/s]", speed, 1e-3)
 

@@ -75,6 +75,8 @@ def proposal(points, surrogate, stop, now):
         fixes = [bool(before > FIXED >= after) for before, after in zip(now, widths)]
         if best is None or sum(fixes) > sum(best["fixes"]) or (not any(fixes) and min(widths / now) < 0.9 * min(np.array(best["widths"]) / now)):
             best = {**entry, "fixes": fixes}
+        if deviation <= finest:   # further repeats change nothing
+            break
     return {"change": float(mean.std()), "scatter": surrogate.noise, **best}
 
 

@@ -90,7 +90,9 @@ def verdicts(settings, numbers, units, failed):
 
 def is_open(numbers):
     """Is there a key that the answers do not fix, or a pair that they do not distinguish? Not where no keys give the answers: then intervals mean nothing."""
-    return all(abs(answer["off"]) <= OFF for answer in numbers["answers"]) and (any(key["share_of_bounds"] > FIXED for key in numbers["keys"]) or any(pair["told_apart"] == "no" for pair in numbers["pairs"]))
+    if any(abs(answer["off"]) > OFF for answer in numbers["answers"]):
+        return False
+    return any(key["share_of_bounds"] > FIXED for key in numbers["keys"]) or any(pair["told_apart"] == "no" for pair in numbers["pairs"])
 
 
 def percent(share):
