@@ -9,6 +9,7 @@
 
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
+#include "core/base/interruption.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "solver/run/job_script.hpp"
 #include "solver/run/loaded_scene.hpp"
@@ -196,6 +197,7 @@ int do_command(const mpi::Communicator& comm, int argc, char** argv) {
 
 int main(int argc, char** argv) {
   share_cores(argv);
+  listen_to_interruptions();  // until the run asks signals to end it after the present step
   const mpi::Session session(argc, argv);
   const mpi::Communicator comm;
   // A failure that all ranks agreed on ends each of them with its code; rank 0 or the failing rank reports it once.

@@ -89,7 +89,7 @@ ChildProcess ChildProcess::start(std::vector<std::string> words, std::optional<s
     throw StartError("cannot start " + words.front(), std::strerror(failed));
   }
   if (is_read) outputs().push_back(ends[0]);
-  return {process, ends[0]};
+  return {process, ends[0], -1};
 }
 
 ChildProcess ChildProcess::serve(std::vector<std::string> words, int says, const std::vector<int>& given) {
@@ -133,13 +133,17 @@ ChildProcess ChildProcess::start_fed(std::vector<std::string> words, int says) {
 }
 
 ChildProcess::ChildProcess(ChildProcess&& other) noexcept
-    : process_(std::exchange(other.process_, -1)), output_(std::exchange(other.output_, -1)), input_(std::exchange(other.input_, -1)) {}
+    : process_(std::exchange(other.process_, -1)),
+      output_(std::exchange(other.output_, -1)),
+      input_(std::exchange(other.input_, -1)),
+      interrupted_(std::move(other.interrupted_)) {}
 
 ChildProcess::~ChildProcess() {
   close_output();
   end_feed();
   if (process_ < 0) return;
   kill();
+  interrupted_.reset();
   while (waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {
   }
 }
@@ -216,6 +220,11 @@ ProcessEnd ChildProcess::wait() {
   close_output();
   end_feed();
   const pid_t process = std::exchange(process_, -1);
+  // its number is its own until it is waited for, and must not be listed afterwards
+  siginfo_t ended;
+  while (waitid(P_PID, static_cast<id_t>(process), &ended, WEXITED | WNOWAIT) < 0 && errno == EINTR) {
+  }
+  interrupted_.reset();
   int status = 0;
   while (waitpid(process, &status, 0) < 0) {
     if (errno != EINTR) throw SystemError("lost sight of a child process: {}", std::strerror(errno));

@@ -3,11 +3,13 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/base/interruption.hpp"
 
 namespace scree {
 
@@ -30,7 +32,7 @@ struct ProcessEnd {
   bool is_success() const { return code == 0 && signal == 0; }
 };
 
-/// A running child. One that is not waited for is killed in the destructor.
+/// A running child. One that is not waited for is killed in the destructor; another program also when a signal ends this process.
 /// Threads: start children before any thread.
 class ChildProcess {
  public:
@@ -84,10 +86,14 @@ class ChildProcess {
   ProcessEnd wait();
 
  private:
-  ChildProcess(int process, int output, int input = -1) : process_(process), output_(output), input_(input) {}
+  ChildProcess(int process, int output) : process_(process), output_(output) {}
+  /// another program
+  ChildProcess(int process, int output, int input)
+      : process_(process), output_(output), input_(input), interrupted_(std::make_unique<EndedWhenInterrupted>(process)) {}
   void close_output();
 
   int process_ = -1, output_ = -1, input_ = -1;
+  std::unique_ptr<EndedWhenInterrupted> interrupted_;
 };
 
 /// A file without a name, in memory: it goes with the last process that has it open, however that ends.

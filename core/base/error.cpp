@@ -9,6 +9,7 @@
 #include <new>
 #include <utility>
 
+#include "core/base/interruption.hpp"
 #include "core/base/warning_sink.hpp"
 
 namespace scree {
@@ -28,6 +29,7 @@ void print_message(const std::string& tool, const char* kind, const char* colour
 }  // namespace
 
 int run_main(const std::string& tool, const std::function<int()>& body) {
+  listen_to_interruptions();
   try {
     return body();
   } catch (const Error& error) {

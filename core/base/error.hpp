@@ -76,7 +76,7 @@ class InternalError : public Error {
 
 /// Runs the body of a main() and maps what it throws to a message on stderr and an exit code.
 /// The message is "TOOL: error: TEXT", in red on a terminal unless NO_COLOR is set.
-/// Exceptions of gmsh, which are plain std::string, are caught as well.
+/// Exceptions of gmsh, which are plain std::string, are caught as well. What a signal would leave behind is removed: see interruption.hpp.
 int run_main(const std::string& tool, const std::function<int()>& body);
 
 /// Prints "TOOL: warning: TEXT" to stderr the first time a text is given, and counts all of them.

@@ -8,8 +8,12 @@
 
 namespace scree {
 
-/// While it lives, a file or folder that is removed when SIGINT, SIGTERM or SIGHUP ends this process. Signals that are ignored or handled
-/// otherwise stay so. A copy of the process (ChildProcess::fork) removes nothing.
+/// Has SIGINT, SIGTERM and SIGHUP remove what is listed before they end this process. For programs: signals of a process that uses a
+/// library belong to its own program. Signals that are ignored or handled already stay so. Once.
+void listen_to_interruptions();
+
+/// While it lives, a file or folder that is removed when SIGINT, SIGTERM or SIGHUP ends this process, if it listens. A copy of the process
+/// (fork) removes only what it has made itself.
 /// Threads: any.   Cost: none but at the signal. Beyond 64 of them at one time, those that come later are left behind.
 class RemovedWhenInterrupted {
  public:

@@ -33,11 +33,8 @@ class Periodicity {
     }
   }
 
-  /// A periodic domain with these periods [m] about a middle; 0 of an axis that is not periodic.
+  /// A periodic domain with these periods [m] from its lower corner on; 0 of an axis that is not periodic.
   /// in   shear   h_yz, h_xz, h_xy since it was a box [m]; those with an axis that is not periodic are 0
-  static Periodicity about(const Vec3& centre, const Vec3& period, const Vec3& shear = {}) {
-    return at_corner(centre - 0.5 * period, period, shear);
-  }
   static Periodicity at_corner(const Vec3& lower, const Vec3& period, const Vec3& shear) {
     Periodicity made;
     made.lower_ = lower;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/geometry/vec3.hpp"
@@ -22,6 +23,9 @@ struct UpperMatrix {
   /// The most by which it lengthens a vector, or more: the largest of the diagonal, and what is above it by its squares.
   double largest_stretch() const { return std::max({std::abs(diagonal.x), std::abs(diagonal.y), std::abs(diagonal.z)}) + length(above); }
 };
+
+/// The components as cases, logs and pages name them, by their numbers.
+inline constexpr std::array<const char*, 6> kUpperNames = {"x", "y", "z", "yz", "xz", "xy"};
 
 inline UpperMatrix operator*(double s, const UpperMatrix& m) { return {s * m.diagonal, s * m.above}; }
 inline UpperMatrix operator*(const UpperMatrix& a, const UpperMatrix& b) {

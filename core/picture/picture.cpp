@@ -16,8 +16,8 @@
 #include <cstring>
 
 #include "core/base/error.hpp"
+#include "core/base/temporary_file.hpp"
 #include "core/picture/display.hpp"
-#include "core/storage/h5.hpp"
 
 namespace scree {
 
@@ -107,16 +107,13 @@ void write_png(const Image& drawn, const std::string& path) {
   for (int y = 0; y < drawn.height; ++y) {
     std::memcpy(image->GetScalarPointer(0, drawn.height - 1 - y, 0), &drawn.rgb[row * static_cast<std::size_t>(y)], row);
   }
-  const std::string temporary = h5::temporary_name(path);
+  TemporaryFile temporary(path);
   vtkNew<vtkPNGWriter> writer;
-  writer->SetFileName(temporary.c_str());
+  writer->SetFileName(temporary.name().c_str());
   writer->SetInputData(image);
   writer->Write();
-  if (writer->GetErrorCode() != 0) {
-    std::remove(temporary.c_str());
-    throw SystemError("cannot write {}; is the disk full, or the folder not writable?", path);
-  }
-  h5::publish_file(temporary, path);
+  if (writer->GetErrorCode() != 0) throw SystemError("cannot write {}; is the disk full, or the folder not writable?", path);
+  temporary.publish();
 }
 
 }  // namespace scree

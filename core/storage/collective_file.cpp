@@ -157,28 +157,21 @@ std::string broadcast_text(MPI_Comm communicator, std::string text) {
 CollectiveFile::CollectiveFile(MPI_Comm communicator, std::string path, std::int64_t bytes, Kind kind)
     : communicator_(communicator), rank_(rank_of(communicator)), kind_(kind), path_(std::move(path)) {
   h5::silence_library();
-  temporary_ = broadcast_text(communicator, rank_ == 0 ? h5::temporary_name(path_) : std::string());
-  try {
-    const std::int64_t user_block = kind == Kind::checksummed ? kUserBlock : 0;
-    agree<SystemError>(communicator, rank_ == 0 ? make_room(temporary_, path_, bytes + kMetadataReserve, user_block) : "");
-    const h5::Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, temporary_);
-    H5Pset_fapl_mpio(access.id(), communicator, MPI_INFO_NULL);
-    H5Pset_fclose_degree(access.id(), H5F_CLOSE_STRONG);  // a failed close must not leave the file half open
-    transfer_ = h5::Handle(H5Pcreate(H5P_DATASET_XFER), H5Pclose, temporary_);
-    H5Pset_dxpl_mpio(transfer_.id(), H5FD_MPIO_COLLECTIVE);
-    file_ = H5Fopen(temporary_.c_str(), H5F_ACC_RDWR, access.id());
-    agree<SystemError>(communicator, file_ < 0 ? "cannot create " + path_ + ": " + h5::library_error() : "");
-    root_ = std::make_unique<h5::Group>(h5::Handle(H5Gopen2(file_, "/", H5P_DEFAULT), H5Gclose, temporary_), path_ + ":");
-  } catch (...) {
-    if (rank_ == 0) std::remove(temporary_.c_str());
-    throw;
-  }
+  if (rank_ == 0) made_ = std::make_unique<TemporaryFile>(path_);
+  temporary_ = broadcast_text(communicator, rank_ == 0 ? made_->name() : std::string());
+  const std::int64_t user_block = kind == Kind::checksummed ? kUserBlock : 0;
+  agree<SystemError>(communicator, rank_ == 0 ? make_room(temporary_, path_, bytes + kMetadataReserve, user_block) : "");
+  const h5::Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, temporary_);
+  H5Pset_fapl_mpio(access.id(), communicator, MPI_INFO_NULL);
+  H5Pset_fclose_degree(access.id(), H5F_CLOSE_STRONG);  // a failed close must not leave the file half open
+  transfer_ = h5::Handle(H5Pcreate(H5P_DATASET_XFER), H5Pclose, temporary_);
+  H5Pset_dxpl_mpio(transfer_.id(), H5FD_MPIO_COLLECTIVE);
+  file_ = H5Fopen(temporary_.c_str(), H5F_ACC_RDWR, access.id());
+  agree<SystemError>(communicator, file_ < 0 ? "cannot create " + path_ + ": " + h5::library_error() : "");
+  root_ = std::make_unique<h5::Group>(h5::Handle(H5Gopen2(file_, "/", H5P_DEFAULT), H5Gclose, temporary_), path_ + ":");
 }
 
-CollectiveFile::~CollectiveFile() {
-  close();
-  if (rank_ == 0 && !temporary_.empty()) std::remove(temporary_.c_str());
-}
+CollectiveFile::~CollectiveFile() { close(); }
 
 void CollectiveFile::note(herr_t status, const std::string& what) {
   if (status < 0 && error_.empty()) error_ = what + ": " + h5::library_error();
@@ -264,13 +257,12 @@ void CollectiveFile::commit() {
   }
   if (rank_ == 0) {
     try {
-      h5::publish_file(temporary_, path_);
+      made_->publish();
     } catch (const SystemError& error) {
       problem = error.what();
     }
   }
   agree<SystemError>(communicator_, problem);
-  temporary_.clear();
 }
 
 void check_checksum(MPI_Comm communicator, const std::string& path) {

@@ -20,6 +20,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/base/temporary_file.hpp"
 #include "core/storage/h5.hpp"
 
 namespace scree {
@@ -47,7 +48,7 @@ class CollectiveFile {
   CollectiveFile(MPI_Comm communicator, std::string path, std::int64_t bytes, Kind kind);
   CollectiveFile(const CollectiveFile&) = delete;
   CollectiveFile& operator=(const CollectiveFile&) = delete;
-  /// Removes the temporary file when commit() was not reached.
+  /// The temporary file is removed when commit() was not reached.
   ~CollectiveFile();
 
   const h5::Group& root() const { return *root_; }
@@ -85,8 +86,10 @@ class CollectiveFile {
   MPI_Comm communicator_;
   int rank_ = 0;
   Kind kind_;
-  std::string path_, temporary_;  // temporary_ is empty once the file has its name
-  hid_t file_ = -1;               // not a Handle: closing it is collective and its failure must be heard
+  std::string path_;
+  std::unique_ptr<TemporaryFile> made_;  // of rank 0
+  std::string temporary_;
+  hid_t file_ = -1;  // not a Handle: closing it is collective and its failure must be heard
   h5::Handle transfer_;
   std::unique_ptr<h5::Group> root_;
   std::string error_;

@@ -34,18 +34,18 @@ Handle readable(hid_t id, Handle::Closer closer, const std::string& where) {
   return Handle(id, closer, where);
 }
 
-/// Writes a temporary file; removes it and throws when the disk refuses.
-void write_bytes(const std::string& temporary, const std::string& path, const char* data, std::size_t size) {
-  std::FILE* file = std::fopen(temporary.c_str(), "wb");
-  if (file == nullptr) throw SystemError("cannot create {}: {}", path, std::strerror(errno));
+/// Writes a file and gives it its name; throws when the disk refuses.
+void write_whole(TemporaryFile& temporary, const char* data, std::size_t size) {
+  std::FILE* file = std::fopen(temporary.name().c_str(), "wb");
+  if (file == nullptr) throw SystemError("cannot create {}: {}", temporary.path(), std::strerror(errno));
   errno = 0;
   const bool written = std::fwrite(data, 1, size, file) == size;
   int reason = errno;
   const bool closed = std::fclose(file) == 0;
-  if (written && closed) return;
   if (reason == 0) reason = errno;
-  std::remove(temporary.c_str());
-  throw SystemError("cannot write {}: {}; free some space or choose another folder", path, std::strerror(reason));
+  if (!written || !closed)
+    throw SystemError("cannot write {}: {}; free some space or choose another folder", temporary.path(), std::strerror(reason));
+  temporary.publish();
 }
 
 }  // namespace
@@ -318,40 +318,28 @@ void Group::read_raw_rows(const std::string& name, void* data, std::int64_t firs
 
 // The library works in memory, and the finished image is written here. On a full disk HDF5 1.10.8 cannot close
 // a file whose last flush failed, keeps it open inside and crashes when it ends (a tmpfs of 8 kB shows it).
-NewFile::NewFile(std::string path) : path_(std::move(path)), temporary_(temporary_name(path_)) {
+NewFile::NewFile(const std::string& path) : temporary_(path) {
   silence_library();
   // made now, so that a folder that is missing or not writable is told before the work
-  const int probe = open(temporary_.c_str(), O_CREAT | O_WRONLY | O_TRUNC | O_CLOEXEC, 0666);
-  if (probe < 0) {
-    const std::string reason = std::strerror(errno);
-    temporary_.clear();
-    throw SystemError("cannot create {}: {}; choose a folder that exists and is writable", path_, reason);
-  }
+  const int probe = open(temporary_.name().c_str(), O_CREAT | O_WRONLY | O_TRUNC | O_CLOEXEC, 0666);
+  if (probe < 0) throw SystemError("cannot create {}: {}; choose a folder that exists and is writable", path, std::strerror(errno));
   close(probe);
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, path_);
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, path);
   constexpr std::size_t kGrowth = std::size_t{1} << 22;  // of the image, at a time
-  check(H5Pset_fapl_core(access.id(), kGrowth, false), "cannot prepare " + path_);
-  file_ = Handle(H5Fcreate(temporary_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose, "cannot create " + path_);
-  root_ = std::make_unique<Group>(Handle(H5Gopen2(file_.id(), "/", H5P_DEFAULT), H5Gclose, path_), path_ + ":");
-}
-
-NewFile::~NewFile() {
-  root_.reset();
-  file_.reset();
-  if (!temporary_.empty()) std::remove(temporary_.c_str());
+  check(H5Pset_fapl_core(access.id(), kGrowth, false), "cannot prepare " + path);
+  file_ = Handle(H5Fcreate(temporary_.name().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose, "cannot create " + path);
+  root_ = std::make_unique<Group>(Handle(H5Gopen2(file_.id(), "/", H5P_DEFAULT), H5Gclose, path), path + ":");
 }
 
 void NewFile::commit() {
   root_.reset();
-  const std::string what = "cannot write " + path_;
+  const std::string what = "cannot write " + temporary_.path();
   check(H5Fflush(file_.id(), H5F_SCOPE_GLOBAL), what);
   const ssize_t size = H5Fget_file_image(file_.id(), nullptr, 0);
   std::vector<char> image(size > 0 ? static_cast<std::size_t>(size) : 0);
   if (size <= 0 || H5Fget_file_image(file_.id(), image.data(), image.size()) != size) throw SystemError("{}: {}", what, library_error());
   file_.reset();
-  write_bytes(temporary_, path_, image.data(), image.size());
-  publish_file(temporary_, path_);
-  temporary_.clear();
+  write_whole(temporary_, image.data(), image.size());
 }
 
 namespace {
@@ -382,34 +370,9 @@ File::File(const std::string& path) : path_(path) {
   root_ = std::make_unique<Group>(readable(H5Gopen2(id, "/", H5P_DEFAULT), H5Gclose, path), path + ":");
 }
 
-std::string temporary_name(const std::string& path) {
-  const std::filesystem::path target(path);
-  return (target.parent_path() / fmt::format(".{}.{}.tmp", target.filename().string(), getpid())).string();
-}
-
-void publish_file(const std::string& temporary, const std::string& path) {
-  const int file = open(temporary.c_str(), O_RDONLY);
-  if (file < 0 || fsync(file) != 0) {
-    const int reason = errno;
-    if (file >= 0) close(file);
-    throw SystemError("cannot write {}: {}", path, std::strerror(reason));
-  }
-  close(file);
-  if (std::rename(temporary.c_str(), path.c_str()) != 0) {
-    throw SystemError("cannot rename {} to {}: {}", temporary, path, std::strerror(errno));
-  }
-  const std::string folder = std::filesystem::path(path).parent_path().string();
-  const int directory = open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY);
-  if (directory >= 0) {
-    fsync(directory);
-    close(directory);
-  }
-}
-
 void write_text_file(const std::string& path, const std::string& text) {
-  const std::string temporary = temporary_name(path);
-  write_bytes(temporary, path, text.data(), text.size());
-  publish_file(temporary, path);
+  TemporaryFile temporary(path);
+  write_whole(temporary, text.data(), text.size());
 }
 
 }  // namespace scree::h5

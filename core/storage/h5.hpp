@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/base/temporary_file.hpp"
 #include "core/geometry/vec3.hpp"
 
 namespace scree::h5 {
@@ -156,15 +157,14 @@ class Group {
 /// commit(). Destroyed without commit(), it removes the temporary file. Needs twice the file's size in memory.
 class NewFile {
  public:
-  explicit NewFile(std::string path);
+  explicit NewFile(const std::string& path);
   NewFile(const NewFile&) = delete;
   NewFile& operator=(const NewFile&) = delete;
-  ~NewFile();
   const Group& root() const { return *root_; }
   void commit();
 
  private:
-  std::string path_, temporary_;
+  TemporaryFile temporary_;
   Handle file_;
   std::unique_ptr<Group> root_;
 };
@@ -187,12 +187,6 @@ void silence_library();
 
 /// Text of the library's current error stack, innermost message, for our own messages.
 std::string library_error();
-
-/// Name under which a file is written until it is complete: "DIR/.NAME.PID.tmp".
-std::string temporary_name(const std::string& path);
-
-/// fsync of a file, rename over the target, fsync of the folder. Throws SystemError.
-void publish_file(const std::string& temporary, const std::string& path);
 
 /// Writes a small text file whole or not at all.
 void write_text_file(const std::string& path, const std::string& text);

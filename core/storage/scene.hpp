@@ -257,7 +257,7 @@ struct CellControl {
   std::array<bool, 6> is_stress_asked{};
   double stop_strain = 0;         ///< of any component that ends the run; 0: none
   double stop_stress_error = 0;   ///< the same with stop_kinetic_ratio: of all with a stress, over the largest of them
-  double stop_kinetic_ratio = 0;  ///< kinetic energy over that of contacts
+  double stop_kinetic_ratio = 0;  ///< kinetic energy of bodies that touch, over that of contacts
   bool by_stress(int component) const { return is_stress_asked[static_cast<std::size_t>(component)]; }
   bool any_by_stress() const { return std::find(is_stress_asked.begin(), is_stress_asked.end(), true) != is_stress_asked.end(); }
   const TimeTable& rate(int component) const { return strain_rate[static_cast<std::size_t>(component)]; }

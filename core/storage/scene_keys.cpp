@@ -89,17 +89,6 @@ void heat_keys(KeyVisitor& k, Heat& h) {
            Dimension::length, Range::positive);
 }
 
-void stress_keys(KeyVisitor& k, CellControl& c) {
-  constexpr const char* kMeaning = "normal stress across this axis, positive in compression";
-  k.number({"x", "none", kMeaning}, c.stress.diagonal.x, Dimension::pressure, Range::positive);
-  k.number({"y", "none", kMeaning}, c.stress.diagonal.y, Dimension::pressure, Range::positive);
-  k.number({"z", "none", kMeaning}, c.stress.diagonal.z, Dimension::pressure, Range::positive);
-  constexpr const char* kShear = "shear stress, of either sign, that of the strain rate which it brings about; 0: the shear moves freely";
-  k.number({"yz", "none", kShear}, c.stress.above.x, Dimension::pressure, Range::any);
-  k.number({"xz", "none", kShear}, c.stress.above.y, Dimension::pressure, Range::any);
-  k.number({"xy", "none", kShear}, c.stress.above.z, Dimension::pressure, Range::any);
-}
-
 void cell_stop_keys(KeyVisitor& k, CellControl& c) {
   k.number({"strain", "none", "of any axis, `ln(h / h_start)`, or of any shear, the integral of L; without its sign"}, c.stop_strain,
            Dimension::none, Range::positive);

@@ -15,8 +15,7 @@ void time_keys(KeyVisitor& k, Settings& s);
 void domain_keys(KeyVisitor& k, Domain& d);
 void fluid_keys(KeyVisitor& k, Fluid& f);
 void heat_keys(KeyVisitor& k, Heat& h);
-/// Of [cell]: of each axis, and what ends the run.
-void stress_keys(KeyVisitor& k, CellControl& c);
+/// Of [cell]: what ends the run.
 void cell_stop_keys(KeyVisitor& k, CellControl& c);
 void contact_keys(KeyVisitor& k, Settings& s);
 void motion_keys(KeyVisitor& k, Settings& s);

@@ -138,24 +138,19 @@ json inlet_json(const Inlet& inlet) {
   return j;
 }
 
-constexpr std::array<const char*, 6> kComponents = {"x", "y", "z", "yz", "xz", "xy"};
-
 CellControl read_cell(const JsonObject& o, const Settings& s) {
   CellControl cell;
-  const auto read = [&](const char* name, void (*keys)(KeyVisitor&, CellControl&)) {
-    const JsonObject part = o.object(name);
-    JsonKeyReader reader(part);
-    keys(reader, cell);
-  };
   const JsonObject rates = o.object("strain_rate"), stress = o.object("stress");
-  for (std::size_t k = 0; k < kComponents.size(); ++k) {
-    if (rates.has(kComponents[k])) cell.strain_rate[k] = TimeTable::read(rates, kComponents[k], "rates");
+  for (std::size_t k = 0; k < kUpperNames.size(); ++k) {
+    if (rates.has(kUpperNames[k])) cell.strain_rate[k] = TimeTable::read(rates, kUpperNames[k], "rates");
     // versions without a target of 0 wrote all, with 0 where none was asked for
     cell.is_stress_asked[k] =
-        o.has("asked") ? stress.has(kComponents[k]) : stress.has(kComponents[k]) && stress.number(kComponents[k]) != 0;
-    if (cell.is_stress_asked[k]) cell.stress[static_cast<int>(k)] = stress.number(kComponents[k]);
+        o.has("asked") ? stress.has(kUpperNames[k]) : stress.has(kUpperNames[k]) && stress.number(kUpperNames[k]) != 0;
+    if (cell.is_stress_asked[k]) cell.stress[static_cast<int>(k)] = stress.number(kUpperNames[k]);
   }
-  read("stop_when", cell_stop_keys);
+  const JsonObject stop = o.object("stop_when");
+  JsonKeyReader reader(stop);
+  cell_stop_keys(reader, cell);
   if (const CellBlocker blocker = cell_blocker(s); blocker.key != nullptr)
     throw InputError("{}: does not go with {}: {}; the file is damaged", o.where(), blocker.key, blocker.why);
   return cell;
@@ -424,9 +419,9 @@ json settings_json(const Scene& scene) {
     };
     cell["asked"] = true;
     for (const char* part : {"strain_rate", "stress"}) cell[part] = json::object();
-    for (std::size_t k = 0; k < kComponents.size(); ++k) {
-      if (!s.cell->strain_rate[k].value.empty()) cell["strain_rate"][kComponents[k]] = s.cell->strain_rate[k].json();
-      if (s.cell->is_stress_asked[k]) cell["stress"][kComponents[k]] = s.cell->stress[static_cast<int>(k)];
+    for (std::size_t k = 0; k < kUpperNames.size(); ++k) {
+      if (!s.cell->strain_rate[k].value.empty()) cell["strain_rate"][kUpperNames[k]] = s.cell->strain_rate[k].json();
+      if (s.cell->is_stress_asked[k]) cell["stress"][kUpperNames[k]] = s.cell->stress[static_cast<int>(k)];
     }
     write("stop_when", cell_stop_keys);
   }

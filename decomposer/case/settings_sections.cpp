@@ -86,21 +86,23 @@ void contact_section(CaseKeys& k, Case& c) {
 
 /// Returns where it is, for what it does not go with, which is known later.
 std::string cell_section(CaseKeys& k, CellControl& cell) {
-  constexpr const char* kNames[6] = {"x", "y", "z", "yz", "xz", "xy"};
   k.section({"strain_rate", "none"}, [&](CaseKeys& below) {
     for (std::size_t c = 0; c < 6; ++c) {
       constexpr const char* kLength = "of the length along this axis, `-(dh/dt) / h`: positive as it becomes shorter; or a table";
       constexpr const char* kShear =
           "of a shear, `-L` with L the change of the velocity along the first axis over the way along the second: positive where the upper "
           "side moves backwards, as a positive shear stress asks for; or a table";
-      over_time_key(below, {kNames[c], "0", c < 3 ? kLength : kShear}, "of the run, ascending", "rate", "rates", Dimension::strain_rate,
-                    Range::any, cell.strain_rate[c]);
+      over_time_key(below, {kUpperNames[c], "0", c < 3 ? kLength : kShear}, "of the run, ascending", "rate", "rates",
+                    Dimension::strain_rate, Range::any, cell.strain_rate[c]);
     }
   });
   k.section({"stress", "none"}, [&](CaseKeys& below) {
-    stress_keys(below, cell);
-    for (int c = 0; below.table() != nullptr && c < 6; ++c) {
-      const char* name = kNames[c];
+    constexpr const char* kNormal = "normal stress across this axis, positive in compression";
+    constexpr const char* kShear = "shear stress, of either sign, that of the strain rate which it brings about; 0: the shear moves freely";
+    for (int c = 0; c < 6; ++c) {
+      const char* name = kUpperNames[static_cast<std::size_t>(c)];
+      below.number({name, "none", c < 3 ? kNormal : kShear}, cell.stress[c], Dimension::pressure, c < 3 ? Range::positive : Range::any);
+      if (below.table() == nullptr) continue;
       cell.is_stress_asked[static_cast<std::size_t>(c)] = below.table()->has(name);
       if (cell.by_stress(c) && cell.by_rate(c)) throw below.table()->error(name, "has a strain_rate as well; an axis follows one of both");
     }

@@ -64,14 +64,12 @@ int run_tool(const std::vector<std::string>& words, const std::string& what_for,
   } catch (const StartError& error) {
     throw SystemError("cannot start {}, which {} needs: {}; {}", words.front(), what_for, error.reason(), cure);
   }
-  std::optional<EndedWhenInterrupted> interrupted(std::in_place, child->process());
   constexpr int kAgain = 1000;  // [ms]
   std::vector<char> bytes;
   for (auto state = ChildProcess::Read::data; state != ChildProcess::Read::end; bytes.clear()) {
     state = child->read(bytes, kAgain);
     hear(bytes.data(), bytes.size());
   }
-  interrupted.reset();
   const ProcessEnd end = child->wait();
   return end.signal == 0 ? end.code : 128 + end.signal;
 }

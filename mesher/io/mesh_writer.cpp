@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "core/base/error.hpp"
-#include "core/storage/h5.hpp"
+#include "core/base/temporary_file.hpp"
 #include "mesher/io/mesh_file.hpp"
 
 namespace scree {
@@ -75,17 +75,12 @@ void write_mesh_file(const std::string& path, const TriangleMesh& mesh) {
                             : extension == ".ply" ? ply_of(mesh)
                             : extension == ".obj" ? obj_of(mesh)
                                                   : off_of(mesh);
-  const std::string temporary = h5::temporary_name(path);
-  {
-    std::ofstream stream(temporary, std::ios::binary);
-    stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    stream.close();
-    if (!stream) {
-      std::remove(temporary.c_str());
-      throw SystemError("cannot write {}; is the disk full, or the folder not writable?", path);
-    }
-  }
-  h5::publish_file(temporary, path);
+  TemporaryFile temporary(path);
+  std::ofstream stream(temporary.name(), std::ios::binary);
+  stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  stream.close();
+  if (!stream) throw SystemError("cannot write {}; is the disk full, or the folder not writable?", path);
+  temporary.publish();
 }
 
 }  // namespace scree

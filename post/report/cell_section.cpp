@@ -16,12 +16,11 @@ namespace scree {
 std::string cell_section(const Run& run) {
   const LogTable& log = run.log;
   if (log.rows() < 2 || !log.has("stress_xx")) return "<p class=\"missing\">log.csv has no rows of the cell yet.</p>\n";
-  constexpr std::array<const char*, 6> kNames = {"x", "y", "z", "yz", "xz", "xy"};
   std::array<const std::vector<double>*, 6> strain{}, stress{};
   const bool may_shear = log.has("strain_xy");  // logs of older versions have three strains
   for (std::size_t k = 0; k < 6; ++k) {
-    if (k < 3 || may_shear) strain[k] = &log.column(fmt::format("strain_{}", kNames[k]));
-    stress[k] = &log.column(fmt::format("stress_{}{}", kNames[k], k < 3 ? kNames[k] : ""));
+    if (k < 3 || may_shear) strain[k] = &log.column(fmt::format("strain_{}", kUpperNames[k]));
+    stress[k] = &log.column(fmt::format("stress_{}{}", kUpperNames[k], k < 3 ? kUpperNames[k] : ""));
   }
   const bool shears =
       may_shear && std::any_of(strain.begin() + 3, strain.end(), [](const std::vector<double>* s) { return s->back() != 0; });
@@ -41,11 +40,11 @@ std::string cell_section(const Run& run) {
   for (std::size_t k = 1; k < shown; ++k) {
     if (std::abs(strain[k]->back()) > std::abs(strain[axis]->back())) axis = k;
   }
-  const std::string along = fmt::format("{} {}", axis < 3 ? "strain along" : "shear strain", kNames[axis]);
+  const std::string along = fmt::format("{} {}", axis < 3 ? "strain along" : "shear strain", kUpperNames[axis]);
   LineChart stresses{"Stress", along, "", shears ? "stress" : "normal stress", "Pa", false, false, {}, {}},
       strains{"Strain", "time", "s", "strain", "", false, false, {}, {}};
   for (std::size_t k = 0; k < shown; ++k) {
-    const std::string name = fmt::format("{} {}", k < 3 ? "along" : "shear", kNames[k]);
+    const std::string name = fmt::format("{} {}", k < 3 ? "along" : "shear", kUpperNames[k]);
     stresses.lines.push_back({name, *strain[axis], *stress[k]});
     strains.lines.push_back({name, t, *strain[k]});
   }

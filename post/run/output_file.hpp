@@ -2,17 +2,16 @@
 #pragma once
 
 #include <cstdio>
-#include <optional>
 #include <string>
 
-#include "core/base/interruption.hpp"
+#include "core/base/temporary_file.hpp"
 
 namespace scree {
 
 class OutputFile {
  public:
   /// Throws SystemError when it cannot be created.
-  explicit OutputFile(std::string path);
+  explicit OutputFile(const std::string& path);
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
   ~OutputFile();
@@ -22,8 +21,7 @@ class OutputFile {
   void commit();
 
  private:
-  std::string path_, temporary_;
-  std::optional<RemovedWhenInterrupted> interrupted_;
+  TemporaryFile temporary_;
   std::FILE* file_ = nullptr;
 };
 

@@ -6,6 +6,8 @@
 #include <filesystem>
 
 #include "core/base/child_process.hpp"
+#include "core/base/error.hpp"
+#include "core/base/temporary_file.hpp"
 #include "core/storage/h5.hpp"
 #include "post/run/output_file.hpp"
 
@@ -46,12 +48,10 @@ std::vector<std::string> write_chart(const std::string& folder, const std::strin
   const std::string svg = folder + "/" + name + ".svg", png = folder + "/" + name + ".png";
   h5::write_text_file(svg, standalone_svg(chart));
   if (!png_obstacle().empty()) return {name + ".svg"};
-  const std::string temporary = h5::temporary_name(png);
-  if (!run_program({kConverter, "--zoom=2", "--format=png", "--output=" + temporary, svg})) {
-    std::remove(temporary.c_str());
+  TemporaryFile temporary(png);
+  if (!run_program({kConverter, "--zoom=2", "--format=png", "--output=" + temporary.name(), svg}))
     throw SystemError("{} could not turn {} into {}; is the disk full?", kConverter, svg, png);
-  }
-  h5::publish_file(temporary, png);
+  temporary.publish();
   return {name + ".svg", name + ".png"};
 }
 

@@ -8,10 +8,9 @@
 
 #include "core/base/child_process.hpp"
 #include "core/base/error.hpp"
-#include "core/base/interruption.hpp"
 #include "core/base/long_work.hpp"
+#include "core/base/temporary_file.hpp"
 #include "core/picture/display.hpp"
-#include "core/storage/h5.hpp"
 #include "post/vtk/picture.hpp"
 #include "post/vtk/vtk_threads.hpp"
 
@@ -35,21 +34,7 @@ std::vector<std::string> words_of_format(const std::string& path) {
 class Encoder {
  public:
   Encoder(const std::string& path, int width, int height, double rate)
-      : path_(path),
-        temporary_(h5::temporary_name(path)),
-        interrupted_(temporary_),
-        child_(start(path, temporary_, width, height, rate, says_)),
-        child_interrupted_(std::in_place, child_.process()) {}
-  ~Encoder() {
-    child_interrupted_.reset();
-    if (!temporary_.empty()) {
-      child_.kill();
-      child_.wait();
-      std::remove(temporary_.c_str());
-    }
-  }
-  Encoder(const Encoder&) = delete;
-  Encoder& operator=(const Encoder&) = delete;
+      : temporary_(path), child_(start(path, temporary_.name(), width, height, rate, says_)) {}
 
   void add(const std::string& rgb) {
     if (!child_.feed(rgb.data(), rgb.size())) finish();
@@ -57,18 +42,14 @@ class Encoder {
   /// Waits until the film is written and gives it its name.
   void finish() {
     child_.end_feed();
-    child_interrupted_.reset();
     const ProcessEnd end = child_.wait();
     if (!end.is_success()) {
-      std::remove(temporary_.c_str());
-      temporary_.clear();
       std::string text = says_.text();
       while (!text.empty() && text.back() == '\n') text.pop_back();
-      throw SystemError("cannot write {}: ffmpeg ended with {}: {}", path_,
+      throw SystemError("cannot write {}: ffmpeg ended with {}: {}", temporary_.path(),
                         end.signal != 0 ? fmt::format("signal {}", end.signal) : fmt::format("exit code {}", end.code), text);
     }
-    h5::publish_file(temporary_, path_);
-    temporary_.clear();
+    temporary_.publish();
   }
 
  private:
@@ -102,10 +83,8 @@ class Encoder {
   }
 
   MemoryFile says_;
-  std::string path_, temporary_;  ///< temporary: empty when there is nothing left to remove
-  RemovedWhenInterrupted interrupted_;
-  ChildProcess child_;
-  std::optional<EndedWhenInterrupted> child_interrupted_;
+  TemporaryFile temporary_;
+  ChildProcess child_;  ///< ended before the file is removed
 };
 
 /// The camera, gone by an angle [rad] about `up`.

@@ -21,7 +21,7 @@
 #include <type_traits>
 
 #include "core/base/error.hpp"
-#include "core/storage/h5.hpp"
+#include "core/base/temporary_file.hpp"
 #include "post/run/bonds_in_frame.hpp"
 #include "post/run/contact_network.hpp"
 #include "post/vtk/vtk_mesh.hpp"
@@ -130,20 +130,18 @@ vtkSmartPointer<vtkPolyData> points_of(const std::vector<Vec3>& positions) {
 }
 
 void write(const std::string& path, vtkPolyData* data) {
-  const std::string temporary = h5::temporary_name(path);
+  TemporaryFile temporary(path);
   vtkNew<vtkXMLPolyDataWriter> writer;
-  writer->SetFileName(temporary.c_str());
+  writer->SetFileName(temporary.name().c_str());
   writer->SetInputData(data);
   writer->SetDataModeToAppended();
   writer->EncodeAppendedDataOff();
   writer->SetCompressorTypeToZLib();
   writer->SetCompressionLevel(1);
   writer->SetIdTypeToInt32();
-  if (writer->Write() != 1 || writer->GetErrorCode() != 0) {
-    std::remove(temporary.c_str());
+  if (writer->Write() != 1 || writer->GetErrorCode() != 0)
     throw SystemError("cannot write {}; is the disk full, or the folder not writable?", path);
-  }
-  h5::publish_file(temporary, path);
+  temporary.publish();
 }
 
 }  // namespace

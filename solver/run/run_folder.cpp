@@ -14,8 +14,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "core/base/error.hpp"
 #include "core/base/provenance.hpp"
-#include "core/storage/h5.hpp"
+#include "core/base/temporary_file.hpp"
 #include "core/storage/written_by_program.hpp"
 
 namespace scree {
@@ -154,12 +155,11 @@ void open_run_folder(const std::string& folder, const std::string& scene_path) {
   std::error_code error;
   fs::remove(fs::path(folder) / "run.json", error);
   // the scene travels with the run, so that post needs nothing else
-  const fs::path copy = fs::path(folder) / "scene.h5", temporary = h5::temporary_name(copy.string());
-  if (fs::exists(copy)) return;
-  if (!fs::copy_file(scene_path, temporary, fs::copy_options::overwrite_existing, error)) {
-    throw SystemError("cannot write {}: {}", copy.string(), error.message());
-  }
-  h5::publish_file(temporary.string(), copy.string());
+  TemporaryFile copy((fs::path(folder) / "scene.h5").string());
+  if (fs::exists(copy.path())) return;
+  if (!fs::copy_file(scene_path, copy.name(), fs::copy_options::overwrite_existing, error))
+    throw SystemError("cannot write {}: {}", copy.path(), error.message());
+  copy.publish();
 }
 
 std::vector<FrameEntry> trim_run_folder(const std::string& folder, const FrameSteps& steps, std::int64_t step) {

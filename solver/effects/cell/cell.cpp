@@ -41,7 +41,6 @@ double largest_of(const UpperMatrix& m) {
 
 /// The axis across which a component changes the cell: a shear xy goes with the way along y.
 constexpr std::array<int, 6> kAcross = {0, 1, 2, 2, 2, 1};
-constexpr std::array<const char*, 6> kComponent = {"x", "y", "z", "yz", "xz", "xy"};
 
 }  // namespace
 
@@ -139,9 +138,9 @@ void CellEffect::before_drift(RunState& s) {
       throw RunInvalid(
           "step {}: the cell changes its length along {} by {:.3g} of it in a step of {:.3g} s, more than {:g}: reduce the "
           "step, or cell.{}",
-          s.clock.step, kComponent[static_cast<std::size_t>(k)], change, dt, kMostGrowth, control);
+          s.clock.step, kUpperNames[static_cast<std::size_t>(k)], change, dt, kMostGrowth, control);
     throw RunInvalid("step {}: the cell has a shear {} of {:.3g} in a step of {:.3g} s, more than {:g}: reduce the step, or cell.{}",
-                     s.clock.step, kComponent[static_cast<std::size_t>(k)], change, dt, kMostGrowth, control);
+                     s.clock.step, kUpperNames[static_cast<std::size_t>(k)], change, dt, kMostGrowth, control);
   }
   cell.deform(next_rate_, dt);
   for (int k = 0; k < 3; ++k) add_keeping_rest(dt * next_rate_.above[k], sheared_[k], sheared_rest_[k]);

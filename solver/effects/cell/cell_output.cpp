@@ -19,8 +19,6 @@ Vec3 vector_of(const StateArray& array) {
 /// The stress, positive in compression [Pa].
 UpperMatrix stress_of(const RunState& s) { return (1 / s.particles.cell.volume()) * cell_sums(s).symmetric(); }
 
-constexpr const char* kShears[3] = {"yz", "xz", "xy"};
-
 }  // namespace
 
 std::vector<ArrayFormat> CellEffect::format() {
@@ -84,11 +82,14 @@ void CellEffect::add_energies(const RunState& s, Energies& energies) const {
 void CellEffect::add_log_columns(const RunState& s, const Energies& energies, std::vector<Column>& columns) const {
   const UpperMatrix stress = stress_of(s), edges = s.particles.cell.edges(), now = strain(s);
   for (int k = 0; k < 3; ++k) columns.push_back({fmt::format("cell_{}", "xyz"[k]), "m", exact(edges.diagonal[k])});
-  for (int k = 0; k < 3; ++k) columns.push_back({fmt::format("cell_{}", kShears[k]), "m", exact(edges.above[k])});
+  for (int k = 0; k < 3; ++k)
+    columns.push_back({fmt::format("cell_{}", kUpperNames[static_cast<std::size_t>(k) + 3]), "m", exact(edges.above[k])});
   for (int k = 0; k < 3; ++k) columns.push_back({fmt::format("strain_{}", "xyz"[k]), "-", exact(now.diagonal[k])});
-  for (int k = 0; k < 3; ++k) columns.push_back({fmt::format("strain_{}", kShears[k]), "-", exact(now.above[k])});
+  for (int k = 0; k < 3; ++k)
+    columns.push_back({fmt::format("strain_{}", kUpperNames[static_cast<std::size_t>(k) + 3]), "-", exact(now.above[k])});
   for (int k = 0; k < 3; ++k) columns.push_back({fmt::format("stress_{0}{0}", "xyz"[k]), "Pa", exact(stress.diagonal[k])});
-  for (int k = 0; k < 3; ++k) columns.push_back({fmt::format("stress_{}", kShears[k]), "Pa", exact(stress.above[k])});
+  for (int k = 0; k < 3; ++k)
+    columns.push_back({fmt::format("stress_{}", kUpperNames[static_cast<std::size_t>(k) + 3]), "Pa", exact(stress.above[k])});
   columns.push_back({"solid_fraction", "-", exact(solid_volume_ / s.particles.cell.volume())});
   columns.push_back({"cell_work", "J", exact(energies.cell_work)});
 }
@@ -131,14 +132,14 @@ std::vector<PlanLine> CellEffect::plan(const RunState& s) const {
       lines.emplace_back("cell", fmt::format("{} along {}, which stays", length, axis));
   }
   for (int k = 3; k < 6; ++k) {
+    const char* name = kUpperNames[static_cast<std::size_t>(k)];
     const TimeTable& rate = control_.rate(k);
     if (control_.by_stress(k))
-      lines.emplace_back("cell", fmt::format("sheared {}, {}", kShears[k - 3], towards(k)));
+      lines.emplace_back("cell", fmt::format("sheared {}, {}", name, towards(k)));
     else if (control_.by_rate(k) && !rate.is_constant())
-      lines.emplace_back("cell",
-                         fmt::format("sheared {} at {:.4g} to {:.4g} 1/s by a table", kShears[k - 3], rate.least(), rate.largest()));
+      lines.emplace_back("cell", fmt::format("sheared {} at {:.4g} to {:.4g} 1/s by a table", name, rate.least(), rate.largest()));
     else if (control_.by_rate(k))
-      lines.emplace_back("cell", fmt::format("sheared {} at {:.4g} 1/s", kShears[k - 3], rate.largest()));
+      lines.emplace_back("cell", fmt::format("sheared {} at {:.4g} 1/s", name, rate.largest()));
   }
   return lines;
 }

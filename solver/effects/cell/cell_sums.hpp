@@ -11,8 +11,8 @@ struct RunState;
 
 /// Sums over all ranks, of exact terms: no order of pairs or ranks changes a bit of them. Compression is positive. [J]
 struct CellSums {
-  std::array<Vec3, 3>
-      contact;  ///< row i, column j: f_i r_j, f on A from B, r = x_a - x_b by the image that touches; of planes across z zz alone
+  /// Row i, column j: f_i r_j, f on A from B, r = x_a - x_b by the image that touches; of planes across z zz alone.
+  std::array<Vec3, 3> contact;
   std::array<Vec3, 3> kinetic;  ///< m u_i u_j
   UpperMatrix lost;             ///< f_i r_j of damping and friction alone
   double at(int i, int j) const { return contact[static_cast<std::size_t>(i)][j] + kinetic[static_cast<std::size_t>(i)][j]; }
