@@ -3,9 +3,10 @@
 
 usage: fuzz_runs.py BIN SCRATCH COUNT [SEED]
 
-An input is a copy of rich.run with values, types, shapes, attributes, keys, cells, rows or bytes of one of its files changed: frames, scene,
+Tools are run by the servers beside them (tool_server.cpp), which load libraries once. BIN may be a build with sanitizers.
+An input is a copy of rich.run, or of loose.run, with values, types, shapes, attributes, keys, cells, rows or bytes of one of its files changed: frames, scene,
 checkpoints (whose checksum then refuses most), run.json, frames.hdf.series and tables. A tool may end with 0, 2, 3 or 5: by a signal, an
-internal error (1), a fault of the machine (4) or after 300 s it has failed, and so has Python with an exception that is no ScreeError. Input number n of a seed is
+internal error (1), a fault of the machine (4) or after 300 s (signal 14) it has failed, and so has Python with an exception that is no ScreeError. Input number n of a seed is
 always the same: a finding is repeated by COUNT = n:n. Ends with 1 when something was found; the run is then kept as SCRATCH/found-N.run.
 """
 import json
@@ -30,7 +31,6 @@ warnings.simplefilter("ignore")
 NUMBERS = (0, -1, 1, -5, 2**31 - 1, -2**31, 2**31, 2**53, 2**62, -2**63, 2**63 - 1, 1e-320, 1e308, -1e308, 1e20, float("nan"), float("inf"), -float("inf"), 0.5, 3)
 VALUES = (None, True, "", "x", "x" * 70000, [], {}, [1, [2]], {"a": {}}, *NUMBERS)
 CELLS = ("", "x", "nan", "inf", "-1", "1e400", "9" * 30, '"', "-0", "0x10", "1 2", "\0", "#")
-LONGEST = 300  # [s], of a report on a busy machine
 ALLOWED = (0, 2, 3, 5)
 PACK = """
 [time]
@@ -40,7 +40,7 @@ margin = "0.4 mm"
 surface = "outside"
 """ + MATERIALS + """\
 [start]
-run = "changed.run"
+run = "changed_loose.run"
 """
 
 
@@ -168,7 +168,7 @@ def change_table(rng, path):
 
 
 def damage(rng, folder):
-    """Changes one file of a run; returns what was done."""
+    """Changes one file of a run; returns its name and what was done."""
     names = sorted(name for name in os.listdir(folder) if not name.endswith("_worn.shape.h5"))
     kinds = {"frame": [n for n in names if n.startswith("frame_")], "scene": ["scene.h5"], "checkpoint": [n for n in names if n.startswith("checkpoint_")],
              "json": [n for n in names if n in ("run.json", "frames.hdf.series")], "table": [n for n in names if n.endswith(".csv")]}
@@ -177,7 +177,7 @@ def damage(rng, folder):
     path = os.path.join(folder, name)
     if rng.random() < 0.15:
         change_bytes(rng, path)
-        return f"{name}: bytes"
+        return name, "bytes"
     change = rng.choice((change_value, change_value, change_form, change_attribute, change_text))
     try:
         if kind == "json":
@@ -186,20 +186,45 @@ def damage(rng, folder):
             change_json(rng, value)
             with open(path, "w", encoding="utf-8") as file:
                 file.write(json.dumps(value) if rng.random() < 0.97 else "[" * 100000)
-            return f"{name}: value"
+            return name, "value"
         if kind == "table":
             change_table(rng, path)
-            return f"{name}: cells"
+            return name, "cells"
         with h5py.File(path, "r+") as file:
             change(rng, file)
     except (OSError, ValueError, TypeError, OverflowError, KeyError, IndexError, RuntimeError):
         change_bytes(rng, path)  # it is damaged already, or h5py will not write that
-    return f"{name}: {change.__name__}"
+    return name, change.__name__
 
 
-def limits():
-    resource.setrlimit(resource.RLIMIT_AS, (6 << 30, 6 << 30))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+class Tools:
+    """Starts a server for each tool when it is first asked for. A run may have 6 GiB of memory."""
+    def __init__(self, binaries):
+        self.binaries, self.servers = binaries, {}
+        known = os.path.join(HERE, "..", "sanitizers", "asan.supp")
+        self.environment = {"ASAN_OPTIONS": f"detect_leaks=0:max_allocation_size_mb=6144:suppressions={known}", "UBSAN_OPTIONS": "print_stacktrace=1", **os.environ,
+                            "OMP_NUM_THREADS": "1", "OMP_WAIT_POLICY": "passive"}  # else the solver would start its own program again, the server
+
+    def run(self, words):
+        """Exit code of the tool, or minus the signal that ended it, and what it said."""
+        tool = words[0]
+        if tool not in self.servers:
+            program = os.path.join(self.binaries, tool.replace("scree-", "scree_served_"))
+            with open(program, "rb") as file:
+                sanitized = b"__asan_init" in file.read()
+
+            def limits():
+                if not sanitized:  # the shadow of all memory needs room
+                    resource.setrlimit(resource.RLIMIT_AS, (6 << 30, 6 << 30))
+                resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+            self.servers[tool] = subprocess.Popen([program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, preexec_fn=limits, env=self.environment)
+        server = self.servers[tool]
+        server.stdin.write("\n".join([str(len(words)), os.path.join(self.binaries, tool), *words[1:]]) + "\n")
+        server.stdin.flush()
+        code = int(server.stdout.readline())
+        with open("said", encoding="utf-8", errors="replace") as file:
+            return code, file.read()
 
 
 def read_in_python(folder):
@@ -219,8 +244,8 @@ def read_in_python(folder):
     run.provenance, run.case
 
 
-def reader(rng, scratch):
-    """Words of a tool that reads changed.run, or None for the package."""
+def reader(rng):
+    """Words of a tool that reads changed.run, or changed_loose.run to start with it, or None for the package."""
     post = [["statistics", "changed.run", "-o", "st", "--no-charts"], ["bodies", "changed.run", "-o", "b.csv"], ["contacts", "changed.run", "-o", "c.csv"],
             ["fragments", "changed.run", "-o", "f.csv"], ["vtk", "changed.run", "-o", "v", "--jobs", "1"], ["compare", "rich.run", "changed.run", "-o", "cmp"]]
     choice = rng.random()
@@ -243,38 +268,46 @@ def main():
     numbers = range(int(count.split(":")[0]), int(count.split(":")[1]) + 1) if ":" in count else range(int(count))
     os.makedirs(scratch, exist_ok=True)
     os.chdir(scratch)
-    if not os.path.exists("rich.run/run.json"):
-        make_rich_run(binaries, ".")
+    for name in ("rich", "loose"):
+        if not os.path.exists(f"{name}.run/run.json"):
+            make_rich_run(binaries, ".", bonds=name == "rich")
     with open("from.toml", "w", encoding="utf-8") as file:
         file.write(PACK)
-    found, ends = 0, {}
+    found, ends, tools = 0, {}, Tools(binaries)
+    changed = {}  # of each folder that is damaged the files that are to be restored; nothing of those that are to be copied
     for number in numbers:
         rng = random.Random(f"{seed} {number}")
-        shutil.rmtree("changed.run", ignore_errors=True)
-        shutil.copytree("rich.run", "changed.run")
-        words = reader(rng, scratch)
-        if words is not None and "--restart" in words:
-            os.remove("changed.run/run.json")
-        what = " and ".join(damage(rng, "changed.run") for _ in range(rng.choice((1, 1, 1, 2))))
+        words = reader(rng)
+        restarts = words is not None and "--restart" in words
+        whole, folder = ("loose.run", "changed_loose.run") if words is not None and "from.toml" in words else ("rich.run", "changed.run")
+        for name in changed.get(folder, ()):
+            shutil.copyfile(f"{whole}/{name}", f"{folder}/{name}")
+        if folder not in changed:
+            shutil.rmtree(folder, ignore_errors=True)
+            shutil.copytree(whole, folder)
+        if restarts:
+            os.remove(f"{folder}/run.json")
+        damages = [damage(rng, folder) for _ in range(rng.choice((1, 1, 1, 2)))]
+        what = " and ".join(": ".join(done) for done in damages)
+        changed[folder] = [name for name, _ in damages]
+        if restarts:
+            del changed[folder]
         if words is None:
             try:
-                read_in_python("changed.run")
+                read_in_python(folder)
                 end, failed, says = "python: read", False, ""
             except scree.ScreeError as error:
                 end, failed, says = "python: refused", False, str(error)
             except Exception as error:  # noqa: BLE001  what must not be
                 end, failed, says = f"python: {type(error).__name__}", True, str(error)
         else:
-            try:
-                done = subprocess.run([os.path.join(binaries, words[0]), *words[1:]], capture_output=True, timeout=LONGEST, check=False, preexec_fn=limits)
-                end, failed, says = f"{words[0]} {words[1] if words[0] != 'scree-solver' else words[-1]}: {done.returncode}", done.returncode not in ALLOWED, done.stderr.decode("utf-8", "replace")
-            except subprocess.TimeoutExpired:
-                end, failed, says = f"{words[0]}: too long", True, ""
+            code, says = tools.run(words)
+            end, failed = f"{words[0]} {words[1] if words[0] != 'scree-solver' else words[-1]}: {code}", code not in ALLOWED
         ends[end] = ends.get(end, 0) + 1
         if failed:
             found += 1
             shutil.rmtree(f"found-{number}.run", ignore_errors=True)
-            shutil.copytree("changed.run", f"found-{number}.run")
+            shutil.copytree(folder, f"found-{number}.run")
             print(f"FOUND {number} of seed {seed}: {what}; {end}; {' '.join(words or [])}\n  {says[-400:]}", flush=True)
     print(f"{len(numbers)} inputs, {found} findings")
     for end, times in sorted(ends.items()):

@@ -44,11 +44,6 @@ material = "m"
 count = 3
 velocity = [0, 0, -1]
 region = { cylinder = { start = [0, 0.01, -0.02], end = [0, 0.05, -0.02], radius = 0.04 } }
-[[bonds]]
-within = "m"
-young = "1 MPa"
-tension = "5 MPa"
-cohesion = "10 MPa"
 [[inlets]]
 name = "chute"
 shape = "ball"
@@ -78,14 +73,23 @@ impacts = true
 """
 
 
-def make_rich_run(bin_folder, folder):
-    """Writes rich.run, and all that it is made of, into a folder; returns its path."""
+BONDS = """[[bonds]]
+within = "m"
+young = "1 MPa"
+tension = "5 MPa"
+cohesion = "10 MPa"
+"""
+
+
+def make_rich_run(bin_folder, folder, bonds=True):
+    """Writes rich.run, and all that it is made of, into a folder; returns its path. Without bonds: loose.run, with which a case can start."""
+    name = "rich" if bonds else "loose"
     os.makedirs(folder, exist_ok=True)
-    with open(os.path.join(folder, "rich.toml"), "w", encoding="utf-8") as file:
-        file.write(CASE)
+    with open(os.path.join(folder, f"{name}.toml"), "w", encoding="utf-8") as file:
+        file.write(CASE.replace("[[inlets]]", BONDS + "[[inlets]]") if bonds else CASE)
     for words in (["scree-mesher", "generate", "box", "--size", "16 mm,14 mm,12 mm", "-o", "rock.shape.h5"],
                   ["scree-mesher", "fracture", "rock.shape.h5", "--cells", "4", "--inset", "0.4 mm", "-o", "pieces.shape.h5"],
-                  ["scree-decomposer", "pack", "rich.toml", "-o", "rich.scene.h5"], ["scree-solver", "rich.scene.h5", "-o", "rich.run"]):
+                  ["scree-decomposer", "pack", f"{name}.toml", "-o", f"{name}.scene.h5"], ["scree-solver", f"{name}.scene.h5", "-o", f"{name}.run"]):
         done = subprocess.run([os.path.join(bin_folder, words[0]), *words[1:]], cwd=folder, capture_output=True, text=True, check=False)
         assert done.returncode == 0, (words, done.stderr)
-    return os.path.join(folder, "rich.run")
+    return os.path.join(folder, f"{name}.run")
