@@ -3,7 +3,8 @@
 
 usage: fuzz_runs.py BIN SCRATCH COUNT [SEED]
 
-Tools are run by the servers beside them (tool_server.cpp), which load libraries once. BIN may be a build with sanitizers.
+Tools are run by the servers beside them (tool_server.cpp), which load libraries once. BIN may be a build with sanitizers; it needs all tools,
+whichever way they were built, and of each the server: cmake --build --preset asan --target scree-mesher scree_served_post ...
 An input is a copy of rich.run, or of loose.run, with values, types, shapes, attributes, keys, cells, rows or bytes of one of its files changed: frames, scene,
 checkpoints (whose checksum then refuses most), run.json, frames.hdf.series and tables. A tool may end with 0, 2, 3 or 5: by a signal, an
 internal error (1), a fault of the machine (4) or after 300 s (signal 14) it has failed, and so has Python with an exception that is no ScreeError. Input number n of a seed is
