@@ -7,8 +7,9 @@ Tools are run by the servers beside them (tool_server.cpp), which load libraries
 whichever way they were built, and of each the server: cmake --build --preset asan --target scree-mesher scree_served_post ...
 An input is a copy of rich.run, or of loose.run, with values, types, shapes, attributes, keys, cells, rows or bytes of one of its files changed: frames, scene,
 checkpoints (whose checksum then refuses most), run.json, frames.hdf.series and tables. A tool may end with 0, 2, 3 or 5: by a signal, an
-internal error (1), a fault of the machine (4) or after 300 s (signal 14) it has failed, and so has Python with an exception that is no ScreeError. Input number n of a seed is
-always the same: a finding is repeated by COUNT = n:n. Ends with 1 when something was found; the run is then kept as SCRATCH/found-N.run.
+internal error (1), a fault of the machine (4) or after 300 s (signal 14) it has failed, and so has Python with an exception that is no ScreeError. Input number n
+of a seed is always the same: a finding is repeated by COUNT = n:n; one that this does not repeat came of the runs of scree-post before it in the same process.
+Ends with 1 when something was found; the run is then kept as SCRATCH/found-N.run.
 """
 import json
 import os
@@ -204,11 +205,11 @@ class Tools:
         self.binaries, self.servers = binaries, {}
         known = os.path.join(HERE, "..", "sanitizers", "asan.supp")
         self.environment = {"ASAN_OPTIONS": f"detect_leaks=0:max_allocation_size_mb=6144:suppressions={known}", "UBSAN_OPTIONS": "print_stacktrace=1", **os.environ,
+                            "LD_BIND_NOW": "1",  # else each copy of a process looks up the same symbols again
                             "OMP_NUM_THREADS": "1", "OMP_WAIT_POLICY": "passive"}  # else the solver would start its own program again, the server
 
-    def run(self, words):
-        """Exit code of the tool, or minus the signal that ended it, and what it said."""
-        tool = words[0]
+    def server(self, tool):
+        """The running server of a tool and how many requests it may have yet."""
         if tool not in self.servers:
             program = os.path.join(self.binaries, tool.replace("scree-", "scree_served_"))
             with open(program, "rb") as file:
@@ -219,11 +220,22 @@ class Tools:
                     resource.setrlimit(resource.RLIMIT_AS, (6 << 30, 6 << 30))
                 resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
-            self.servers[tool] = subprocess.Popen([program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, preexec_fn=limits, env=self.environment)
-        server = self.servers[tool]
-        server.stdin.write("\n".join([str(len(words)), os.path.join(self.binaries, tool), *words[1:]]) + "\n")
-        server.stdin.flush()
-        code = int(server.stdout.readline())
+            words = [program] + (["--one-process"] if tool == "scree-post" else [])
+            self.servers[tool] = [subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, preexec_fn=limits, env=self.environment), 500]
+        return self.servers[tool]
+
+    def run(self, words):
+        """Exit code of the tool, or minus the signal that ended it, and what it said."""
+        tool = words[0]
+        server = self.server(tool)
+        server[0].stdin.write("\n".join([str(len(words)), os.path.join(self.binaries, tool), *words[1:]]) + "\n")
+        server[0].stdin.flush()
+        answer = server[0].stdout.readline()
+        server[1] -= 1
+        code = int(answer) if answer else server[0].wait()  # without an answer the server has ended in the run
+        if not answer or server[1] == 0:
+            server[0].communicate()
+            del self.servers[tool]
         with open("said", encoding="utf-8", errors="replace") as file:
             return code, file.read()
 
@@ -247,14 +259,15 @@ def read_in_python(folder):
 
 def reader(rng):
     """Words of a tool that reads changed.run, or changed_loose.run to start with it, or None for the package."""
-    post = [["statistics", "changed.run", "-o", "st", "--no-charts"], ["bodies", "changed.run", "-o", "b.csv"], ["contacts", "changed.run", "-o", "c.csv"],
-            ["fragments", "changed.run", "-o", "f.csv"], ["vtk", "changed.run", "-o", "v", "--jobs", "1"], ["compare", "rich.run", "changed.run", "-o", "cmp"]]
+    post = [["statistics", "changed.run", "-o", "st", "--no-charts", "--jobs", "1"], ["bodies", "changed.run", "-o", "b.csv"], ["contacts", "changed.run", "-o", "c.csv"],
+            ["fragments", "changed.run", "-o", "f.csv"], ["vtk", "changed.run", "-o", "v", "--jobs", "1"]] * 3
+    post.append(["compare", "rich.run", "changed.run", "-o", "cmp", "--jobs", "1"])  # it draws charts: half a second
     choice = rng.random()
-    if choice < 0.3:
+    if choice < 0.2:
         return None
     if choice < 0.75:
         return ["scree-post", *rng.choice(post)]
-    if choice < 0.755:  # it draws pictures: seconds
+    if choice < 0.751:  # it draws pictures: seconds
         return ["scree-post", "report", "changed.run", "-o", "r.html"]
     if choice < 0.84:
         return ["scree-solver", "changed.run/scene.h5", "--plan"]
@@ -271,7 +284,7 @@ def main():
     os.chdir(scratch)
     for name in ("rich", "loose"):
         if not os.path.exists(f"{name}.run/run.json"):
-            make_rich_run(binaries, ".", bonds=name == "rich")
+            make_rich_run(binaries, ".", bonds=name == "rich", every=0.04)
     with open("from.toml", "w", encoding="utf-8") as file:
         file.write(PACK)
     found, ends, tools = 0, {}, Tools(binaries)

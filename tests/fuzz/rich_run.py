@@ -67,7 +67,7 @@ material = "steel"
 motion = { free = { guide = [0, 0, 1], mass = "0.2 kg", stroke = [-0.02, 0.03] } }
 load_map = true
 [output]
-every = 0.02
+every = EVERY
 checkpoint = 0.02
 impacts = true
 """
@@ -81,12 +81,13 @@ cohesion = "10 MPa"
 """
 
 
-def make_rich_run(bin_folder, folder, bonds=True):
+def make_rich_run(bin_folder, folder, bonds=True, every=0.02):
     """Writes rich.run, and all that it is made of, into a folder; returns its path. Without bonds: loose.run, with which a case can start."""
     name = "rich" if bonds else "loose"
     os.makedirs(folder, exist_ok=True)
     with open(os.path.join(folder, f"{name}.toml"), "w", encoding="utf-8") as file:
-        file.write(CASE.replace("[[inlets]]", BONDS + "[[inlets]]") if bonds else CASE)
+        case = CASE.replace("EVERY", str(every))
+        file.write(case.replace("[[inlets]]", BONDS + "[[inlets]]") if bonds else case)
     for words in (["scree-mesher", "generate", "box", "--size", "16 mm,14 mm,12 mm", "-o", "rock.shape.h5"],
                   ["scree-mesher", "fracture", "rock.shape.h5", "--cells", "4", "--inset", "0.4 mm", "-o", "pieces.shape.h5"],
                   ["scree-decomposer", "pack", f"{name}.toml", "-o", f"{name}.scene.h5"], ["scree-solver", f"{name}.scene.h5", "-o", f"{name}.run"]):
