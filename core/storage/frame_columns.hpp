@@ -111,7 +111,7 @@ enum FrameUse : unsigned {
 #define SCREE_FRAME_LOSSES(column) \
   column(std::int32_t, material_a, "losses/material_a", "", "", kFileOnly, "index in the scene") \
   column(std::int32_t, material_b, "losses/material_b", "", "", kFileOnly, "index in the scene") \
-  column(double, damping, "losses/damping", "J", "", kFileOnly, "along the normal") \
+  column(double, damping, "losses/damping", "J", "", kFileOnly, "along the normal, what contacts yield included") \
   column(double, friction, "losses/friction", "J", "", kFileOnly, "of sliding, its damping included") \
   column(double, rolling, "losses/rolling", "J", "", kFileOnly, "of rolling and torsional resistance")
 

@@ -63,6 +63,8 @@ struct MaterialPair {
   double bridge_volume = 0;          ///< [m^3]
   BridgeRupture bridge_rupture = BridgeRupture::willett;
   double modulus = 0;              ///< [Pa] see spring()
+  double plasticity = 0;           ///< [-] 1 - k1 / k2 of a contact that yields, from 0 to below 1; 0: contacts are elastic
+  double adhesive_ratio = 0;       ///< [-] k_adh / k1 of a contact that has yielded
   double contact_conductance = 0;  ///< [W/(m^2 K)] of what lies between both surfaces, of scenes with heat; 0: nothing does
 
   /// Of a contact with the radius R* [N/m]. By size it is modulus times 2 R_a R_b / (R_a + R_b), R_b infinite for a wall: overlaps over

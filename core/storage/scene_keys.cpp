@@ -211,6 +211,16 @@ void pair_keys(KeyVisitor& k, MaterialPair& p, const Settings& s) {
            p.restitution, Dimension::none, Range::unit_interval);
   k.number({"restitution_speed", "required for `hunt-crossley` below 1", "approach speed at which `restitution` holds"},
            p.restitution_speed, Dimension::velocity, Range::positive);
+  k.number(
+      {"plasticity", "none",
+       "1 - k1 / k2, from 0 to below 1, of a contact that yields: pressed deeper than before it follows the `law` (k1), and unloads k2 / "
+       "k1 times as steeply, so that without other losses and adhesion restitution is the root of 1 - `plasticity` with a linear law; "
+       "with `gather = \"potential\"`"},
+      p.plasticity, Dimension::none, Range::unit_interval);
+  k.number({"adhesive_ratio", "",
+            "with `plasticity`: a contact that has yielded pulls, as it is unloaded, by up to this times the force of the `law` at its "
+            "overlap (k_adh / k1)"},
+           p.adhesive_ratio, Dimension::none, Range::not_negative);
   k.number({"friction", "", "static coefficient", kAlways}, p.friction, Dimension::none, Range::not_negative);
   k.number({"friction_sliding", "as `friction`",
             "from 0 to `friction`: the coefficient of a sliding contact, from the step in which sliding begins until the contact no longer "

@@ -9,6 +9,7 @@
 #include "core/base/near_file.hpp"
 #include "core/base/provenance.hpp"
 #include "core/storage/attraction.hpp"
+#include "core/storage/plasticity.hpp"
 #include "core/storage/scene_keys.hpp"
 #include "decomposer/case/case_pairs.hpp"
 #include "decomposer/case/case_sections.hpp"
@@ -123,6 +124,7 @@ void check_pair(const CaseTable& t, const MaterialPair& p, const Case& c) {
   const AttractionFault fault =
       attraction_fault(c.settings, p, c.materials[static_cast<std::size_t>(p.a)], c.materials[static_cast<std::size_t>(p.b)]);
   if (fault.key[0] != 0) throw t.error(fault.key, fault.text);
+  if (const AttractionFault plastic = plasticity_fault(c.settings, p); plastic.key[0] != 0) throw t.error(plastic.key, plastic.text);
 }
 
 /// Where bodies stay as they are, nothing may ask for motion.

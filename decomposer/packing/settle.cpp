@@ -238,6 +238,7 @@ class Settler {
     while (true) {
       Scene softer = stage;
       if (softness_ < 1) soften(softer, softness_);
+      make_elastic(softer);
       if (expands_) damp(softer);
       stop_spins(softer);
       if (stops_rolls_) stop_rolls(softer);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/storage/attraction.hpp"
+#include "core/storage/plasticity.hpp"
 #include "core/surface/touch_surface.hpp"
 
 namespace scree {
@@ -92,10 +92,25 @@ void soften(Scene& scene, double share) {
   scene.settings.step = 0;
 }
 
+namespace {
+
+bool can_lose_by_damping(const Scene& scene, const MaterialPair& pair) {
+  return scene.settings.law != ContactLaw::hunt_crossley || pair.restitution_speed > 0;
+}
+
+}  // namespace
+
+void make_elastic(Scene& scene) {
+  for (MaterialPair& p : scene.pairs) {
+    if (!yields(p)) continue;
+    if (can_lose_by_damping(scene, p)) p.restitution *= std::sqrt(1 - p.plasticity);
+    p.plasticity = p.adhesive_ratio = 0;
+  }
+}
+
 void damp(Scene& scene) {
   for (MaterialPair& p : scene.pairs) {
-    const bool can_be_given = scene.settings.law != ContactLaw::hunt_crossley || p.restitution_speed > 0;
-    if (can_be_given) p.restitution = std::min(p.restitution, kRestitution);
+    if (can_lose_by_damping(scene, p)) p.restitution = std::min(p.restitution, kRestitution);
   }
 }
 

@@ -14,6 +14,9 @@ double softness_of_pouring(const Case& c, const SceneParts& parts, const Scene& 
 /// Contacts of a share of their stiffness, and a step that follows from them.
 void soften(Scene& scene, double share);
 
+/// Contacts without dents, which a scene does not keep: they lose by damping what they would lose by yielding.
+void make_elastic(Scene& scene);
+
 /// Contacts that lose most of what they store.
 void damp(Scene& scene);
 

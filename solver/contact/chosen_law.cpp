@@ -75,6 +75,14 @@ bool has_link(const std::vector<FrictionSpring>& springs) {
   return false;
 }
 
+/// Of a pair [m].
+double dent_of(const std::vector<FrictionSpring>& springs) {
+  for (auto s = springs.rbegin(); s != springs.rend() && s->key >= kDentKey; ++s) {
+    if (s->key == kDentKey) return s->force.x;
+  }
+  return 0;
+}
+
 /// Whether two bodies remember that they have touched.
 bool remembers(const PairLaw& law) { return law.neck_adhesion > 0 || law.bridge != nullptr; }
 
@@ -160,7 +168,8 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
     return result;
   }
 
-  const Law law_of_overlap(law, motion.radius);
+  Law law_of_overlap(law, motion.radius);
+  if constexpr (YieldingLaw<Law>) law_of_overlap.dent = dent_of(springs);
   thread_local Workspace work;
   FeatureForces& forces = work.forces;
   forces.push.assign(count, 0);
@@ -169,8 +178,16 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
   if (outputs != nullptr) forces.from_weight.assign(count, Vec3{});
   const PushSum push = Model::potential(features, law, law_of_overlap, forces, result);
 
+  if (!(friction_dt > 0)) result.yielded = 0;  // of no step
   bool linked = false;
   if constexpr (NeckedLaw<Law> || AttractingLaw<Law>) linked = remembers(law);
+  /// What the pair remembers besides its springs, in the order of keys.
+  const auto remember = [&](std::vector<FrictionSpring>& rows) {
+    if (linked) rows.push_back(kLink);
+    if constexpr (YieldingLaw<Law>) {
+      if (forces.dent > 0) rows.push_back({kDentKey, {forces.dent, 0, 0}, 0});
+    }
+  };
 
   const PairDamping<Model, typename Entry::Damp, Law> dampings(features, law, law_of_overlap, motion, result, forces, push, dt, springs);
   Damping damping = dampings.of_pair();
@@ -196,7 +213,7 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
         (*outputs)[j] = output_of(features.list[j].n, normal_force(j, forces.push[j]), forces.from_weight[j], Vec3{});
     }
     springs.clear();
-    if (linked) springs.push_back(kLink);
+    remember(springs);
     return result;
   }
 
@@ -273,7 +290,7 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
     add_rolling(law, motion, push_force, push.force, NeckedLaw<Law> ? forces.load : 1.0, forces.push_per_overlap,
                 tangential_share * damping.chi, dt, friction_dt, turned, springs, next, result);
   const bool has_springs = !next.empty();
-  if (linked) next.push_back(kLink);
+  remember(next);
   if (has_springs) next.push_back(MeanTurn::entry(motion.turn));
   springs.swap(next);
   result.force += result.dissipative_force;

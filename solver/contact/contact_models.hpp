@@ -32,6 +32,9 @@ void for_chosen_law(const LawChoice& choice, Action&& action) {
     for_law(choice.law, [&]<class Entry>() {
       using Normal = typename Model::template NormalLaw<typename Entry::Normal>;
       if constexpr (!std::is_void_v<Normal>) {
+        if constexpr (std::is_same_v<Model, PotentialModel> && PowerLaw<Normal> && !PullingLaw<Normal>) {
+          if (choice.yields) return action.template operator()<Model, Entry, PlasticLaw<Normal>>();
+        }
         if (!choice.attraction) return action.template operator()<Model, Entry, Normal>();
         if constexpr (std::is_same_v<Model, PotentialModel> && std::is_same_v<Normal, HertzLaw>) {
           if (choice.necks) return action.template operator()<Model, Entry, NeckLaw>();

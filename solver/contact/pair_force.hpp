@@ -40,6 +40,7 @@ struct PairForce {
   Vec3 rolling_moment;                         ///< on A, of rolling and torsional resistance; part of `torque`
   double largest_overlap = 0;                  ///< largest overlap [m]
   double surface_power = 0;                    ///< of friction on A where the wall's surface moves: its work on both [W]
+  double yielded = 0;                          ///< what the pair's dent has taken since the last step [J]
   double damping = 0;                          ///< chi: the damping force of a feature is its push times chi times its speed [s/m]
 };
 
@@ -65,6 +66,7 @@ struct FeatureForces {
   double push_overlap = 0;  ///< that the push is of [m]
   double load = 1;          ///< what friction and rolling are limited by, over the push
   double least_push = 0;    ///< share of the push that damping leaves
+  double dent = 0;          ///< of a law that yields [m]
 };
 
 /// Of the push of all features of a pair.
@@ -82,6 +84,8 @@ inline constexpr std::int64_t kRollingKey = std::int64_t{3} << 60;
 inline constexpr std::int64_t kRestKey = std::int64_t{4} << 60;
 /// Key of an entry that is no spring: the two have a neck (laws/neck.hpp) or a liquid bridge (laws/attraction.hpp).
 inline constexpr std::int64_t kLinkKey = std::int64_t{5} << 60;
+/// Key of an entry that is no spring: x of its force is the dent of the pair [m] (laws/plastic.hpp).
+inline constexpr std::int64_t kDentKey = kLinkKey | 1;
 /// Key of the last entry: no spring, but how B was turned against A when the springs were set, x y z and w of a quaternion.
 inline constexpr std::int64_t kTurnKey = std::int64_t{7} << 60;
 

@@ -24,6 +24,7 @@ struct PushAndPull {
   double pull = 0, pull_energy = 0;
   double overlap = 0;               ///< that the push is of [m]
   double load = 1, least_push = 0;  ///< of a law with necks (NeckLaw::State)
+  double dent = 0, yielded = 0;     ///< of a law that yields (PlasticLaw::State)
   template <class Law>
   static PushAndPull of(const Law& law, double D) {
     if constexpr (NeckedLaw<Law>) {
@@ -36,6 +37,9 @@ struct PushAndPull {
               at.push_overlap,
               at.load,
               at.least_push};
+    } else if constexpr (YieldingLaw<Law>) {
+      const auto at = law.at(D);
+      return {at.push, at.push_energy, at.pull, at.pull_energy, D, 1, 0, at.dent, at.yielded};
     } else if constexpr (PullingLaw<Law>) {
       const bool touches = D > 0;
       return {touches ? law.force(D) : 0, touches ? law.energy(D) : 0, law.pull(D), law.pull_energy(D), D};
@@ -193,6 +197,10 @@ PushSum PotentialModel::add_potential(const PairFeatures& pair, const PairLaw& p
     result.elastic -= at.pull_energy;
     if (!(at.overlap > 0)) std::fill(forces.push_per_overlap.begin(), forces.push_per_overlap.end(), 0.0);
     add_pull(features, {}, pair_law.reach, depth, at.pull, forces);
+  }
+  if constexpr (YieldingLaw<Law>) {
+    forces.dent = at.dent;
+    result.yielded = at.yielded;
   }
   if constexpr (NeckedLaw<Law>) {
     forces.push_overlap = at.overlap;

@@ -10,6 +10,7 @@
 #include "solver/laws/damping.hpp"
 #include "solver/laws/neck.hpp"
 #include "solver/laws/normal.hpp"
+#include "solver/laws/plastic.hpp"
 #include "solver/laws/rolling.hpp"
 
 namespace scree {
@@ -46,6 +47,7 @@ struct LawChoice {
   bool rolling = false;                        ///< some pair has rolling or torsional resistance
   bool attraction = false;                     ///< some materials attract each other
   bool necks = false;                          ///< by necks (laws/neck.hpp)
+  bool yields = false;                         ///< contacts of some materials are plastic (laws/plastic.hpp)
   bool remembers = false;                      ///< some only once they have touched
   bool needs_radius = false;                   ///< R* of the bodies enters
 };

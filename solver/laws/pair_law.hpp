@@ -31,6 +31,9 @@ struct PairLaw {
   double pull_modulus = 0;               ///< of the traction of an attraction by area, p / s [N/m^3]; 0: another, or none
   double pull_off = 0;                   ///< F_c of laws/attraction.hpp [N] ...
   double pull_off_per_radius = 0;        ///< ... and what goes with R* of it [N/m]
+  double unloading_ratio = 1;            ///< k2 / k1 of laws/plastic.hpp; 1: contacts are elastic
+  double adhesive_ratio = 0;             ///< k_adh / k1 of it
+  double least_dent = 0, most_dent = 1;  ///< dent over overlap at the limits of it
   double step_stiffness = 0;             ///< stiffest tangent expected [N/m], of a layer per area [N/m^3]: the step is derived from it
   double step_damping = 0;               ///< damping ratio of restitution, of every law: the step is derived from it
 };

@@ -14,7 +14,8 @@ namespace scree {
 struct ForceScratch {
   std::vector<MeshDistanceScratchPtr> distance;  ///< one per thread
   std::vector<float> pair_seconds;               ///< when not empty, one per pair: evaluate_pairs fills in what each took
-  /// One per thread where necks or bridges may form: evaluate_pairs adds the energy that goes as they do, of the pairs counted here [J].
+  /// One per thread where necks or bridges may form or contacts yield: evaluate_pairs adds the energy that goes as they do, of the pairs
+  /// counted here [J].
   std::vector<ExactSum> released;
   /// One per thread where contacts go on beyond their maximum overlap: evaluate_pairs appends those that do, of the pairs counted here.
   std::vector<std::vector<DeepContact>> deep;

@@ -145,7 +145,7 @@ double evaluate(const SolverScene& scene, const ParticleSet& p, const std::vecto
                 purpose == Purpose::examination,
                 purpose == Purpose::rest,
                 blocks};
-  if (pass.holds != nullptr) scratch.released.resize(scratch.distance.size());
+  if (pass.holds != nullptr || scene.law_choice().yields) scratch.released.resize(scratch.distance.size());
   if (pass.continues) scratch.deep.resize(scratch.distance.size());
   Deepest deepest;
   const std::span<const std::int32_t> listed = blocks ? std::span<const std::int32_t>(list.blocks().others(*blocks)) : which;

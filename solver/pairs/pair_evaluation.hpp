@@ -314,6 +314,7 @@ class PairEvaluation {
     const PairForce f = pass_.force_of(features_, law, motion, pass_.dt, pass_.friction_dt, springs_of(pair), outputs_of(view));
     result.active = true;
     result.contact_count = static_cast<std::int32_t>(features_.list.size());
+    if (f.yielded > 0 && !pass_.is_read_only() && counts_here(pair, pass_.p)) pass_.scratch.released[thread_].add(f.yielded);
     // torques about B's centre: T_B = (x_B - x_A) x F - T_A
     const Vec3 branch = view.b.x - view.a.x;
     result.force_a = a_to_world * f.force;

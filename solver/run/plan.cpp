@@ -7,8 +7,8 @@
 
 #include "core/base/progress.hpp"
 #include "core/base/units.hpp"
-#include "core/storage/attraction.hpp"
 #include "core/storage/contact_limits.hpp"
+#include "core/storage/plasticity.hpp"
 #include "solver/contact/overlap_limit.hpp"
 #include "solver/effects/effects.hpp"
 #include "solver/effects/sleep/sleep.hpp"
@@ -75,6 +75,7 @@ class Plan {
   void add_start();
   void add_contact();
   void add_attraction();
+  void add_plasticity();
   void add_motion();
   void add_sleep();
   void add_fluid();
@@ -133,6 +134,10 @@ void Plan::add_contact() {
     add_attraction();
   else
     out("attraction", "no pair has pull_off, adhesion or surface_tension: contacts begin at touch");
+  if (scene_.law_choice().yields)
+    add_plasticity();
+  else
+    out("plastic contacts", "no pair has a plasticity: what a contact stores comes back");
   if (scene_.has_friction())
     in("friction springs", fmt::format("{0} bytes per contact, and {0} per pair in contact", sizeof(FrictionSpring)));
   else
@@ -181,6 +186,16 @@ void Plan::add_attraction() {
                                       format_quantity(impact.speed, Dimension::velocity)));
     else
       out("steps in the range", "no speed is known; give contact.impact_speed");
+  }
+}
+
+void Plan::add_plasticity() {
+  for (const MaterialPair& pair : source_.pairs) {
+    if (!yields(pair)) continue;
+    const std::string pulls = pair.adhesive_ratio > 0 ? fmt::format(", pulls by up to {:g} of its law", pair.adhesive_ratio) : "";
+    in("plastic contacts", fmt::format("'{}' and '{}': unloads {:.4g} times as steeply{}; one dent per pair in contact",
+                                       source_.materials[static_cast<std::size_t>(pair.a)].name,
+                                       source_.materials[static_cast<std::size_t>(pair.b)].name, 1 / (1 - pair.plasticity), pulls));
   }
 }
 

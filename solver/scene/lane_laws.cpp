@@ -57,8 +57,8 @@ void add_zones(const SolverScene& scene, LaneLaws& table) {
 LaneLaws make_lane_laws(const SolverScene& scene) {
   LaneLaws table;
   const LawChoice& choice = scene.law_choice();
-  if (choice.gathering != Gathering::potential || choice.attraction || scene.reach() > 0 || scene.source().settings.barrier > 0 ||
-      !scene.source().bonds.empty() || scene.laws_by_max_overlap())
+  if (choice.gathering != Gathering::potential || choice.attraction || choice.yields || scene.reach() > 0 ||
+      scene.source().settings.barrier > 0 || !scene.source().bonds.empty() || scene.laws_by_max_overlap())
     return table;
   table.friction = built_with::kFriction && choice.friction;
   table.needs_radius = choice.needs_radius;

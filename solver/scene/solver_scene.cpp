@@ -4,7 +4,7 @@
 #include <cmath>
 #include <type_traits>
 
-#include "core/storage/attraction.hpp"
+#include "core/storage/plasticity.hpp"
 #include "solver/scene/hollow_walls.hpp"
 
 namespace scree {
@@ -213,11 +213,20 @@ void SolverScene::prepare_laws() {
     law_choice_.needs_radius = Normal::kNeedsRadius;
     shares_cells = PowerLaw<Normal> && !PullingLaw<Normal>;
     law_choice_.attraction = std::any_of(scene_->pairs.begin(), scene_->pairs.end(), attracts);
+    law_choice_.yields = std::any_of(scene_->pairs.begin(), scene_->pairs.end(), yields);
+    if (law_choice_.yields && !(PowerLaw<Normal> && !PullingLaw<Normal>))
+      throw UsageError("pairs: contact.law = \"{}\" has no force that goes with one power of the overlap, which plasticity needs",
+                       word_of(Entry::kLaw));
+    if (law_choice_.yields && law_choice_.attraction)
+      throw UsageError(
+          "pairs: some materials have a plasticity, others pull_off, adhesion or surface_tension; in one scene either contacts are plastic "
+          "or "
+          "bodies attract each other (adhesive_ratio is the attraction of contacts that yield)");
     if (law_choice_.attraction && PullingLaw<Normal>)
       throw UsageError("pairs: contact.law = \"{}\" attracts by itself and does not go with pull_off, adhesion or surface_tension",
                        word_of(Entry::kLaw));
   });
-  shares_cells = shares_cells && !law_choice_.attraction;
+  shares_cells = shares_cells && !law_choice_.attraction && !law_choice_.yields;
   laws_.resize(material_count_ * material_count_);
   for (const MaterialPair& pair : scene_->pairs) {
     const PairLaw law = make_pair_law(pair, extremes_);
@@ -247,6 +256,7 @@ void SolverScene::prepare_laws() {
   for (const SolverShape& s : shapes_) has_cells = has_cells || s.cell_size > 0;
   if (has_cells && law_choice_.attraction)
     throw UsageError("cell_size: does not go with attraction (pull_off, adhesion or surface_tension of a pair)");
+  if (has_cells && law_choice_.yields) throw UsageError("cell_size: does not go with the plasticity of a pair");
   if (has_cells) {
     throw UsageError("cell_size: contact.law = \"{}\" has no force that goes with one power of the overlap, which cells need",
                      word_of(law_choice_.law));
@@ -364,6 +374,13 @@ PairLaw SolverScene::make_pair_law(const MaterialPair& pair, const BodyExtremes&
     Entry::Damp::prepare(input, law);
   });
   if (attracts(pair)) add_attraction(pair, extremes, law);
+  if (const AttractionFault fault = plasticity_fault(scene_->settings, pair); fault.key[0] != 0)
+    throw UsageError("pairs: '{}' and '{}': {} {}", input.a.name, input.b.name, fault.key, fault.text);
+  if (yields(pair)) {
+    for_law(scene_->settings.law, [&]<class Entry>() {
+      if constexpr (PowerLaw<typename Entry::Normal>) prepare_yielding(pair.plasticity, pair.adhesive_ratio, Entry::Normal::kExponent, law);
+    });
+  }
   return law;
 }
 

@@ -249,6 +249,22 @@ TEST(Refusals, necks_and_bridges_that_are_not_told_in_full_or_do_not_go_together
   says(work + "adhesion_model = \"jkr\"", {"pairs[0].adhesion_hysteresis", "hertz-mindlin", "adhesion_range"});
 }
 
+TEST(Refusals, plastic_contacts_that_do_not_go_together_with_others_are_refused) {
+  const auto says = [](const std::string& keys, const std::vector<std::string>& parts, const std::string& more = "") {
+    expect_says(failure(sticky(keys, more), ExitCode::usage), parts);
+  };
+  EXPECT_NO_THROW(pack(sticky("plasticity = 0.5\nadhesive_ratio = 0.2")));
+  says("plasticity = 1", {"pairs[0].plasticity", "1 found, expected less"});
+  says("plasticity = 1.2", {"pairs[0].plasticity = 1.2"});
+  says("plasticity = \"soft\"", {"pairs[0].plasticity"});
+  says("adhesive_ratio = 0.2", {"pairs[0].adhesive_ratio", "goes with plasticity"});
+  says("plasticity = 0.5\nadhesive_ratio = -1", {"pairs[0].adhesive_ratio = -1", "a value >= 0"});
+  says("plasticity = 0.5\npull_off = 1\nadhesion_range = 1e-4", {"pairs[0].plasticity", "adhesive_ratio"});
+  says("plasticity = 0.5", {"pairs[0].plasticity", "gather = \"potential\""}, "[contact]\ngather = \"pairs\"\nmargin = 0.01\n");
+  says("plasticity = 0.5", {"pairs[0].plasticity", "contact.barrier"}, "[contact]\nbarrier = 1\nmargin = 0.01\n");
+  says("plasticity = 0.5", {"pairs[0].plasticity", "on_overlap"}, "[contact]\non_overlap = \"continue\"\nmargin = 0.01\n");
+}
+
 TEST(Refusals, necks_are_those_of_balls) {
   const std::string materials =
       "[materials.stone]\ndensity = 2000\nyoung = 1e7\n[[pairs]]\nbetween = [\"stone\", \"stone\"]\nrestitution = 0.5\nadhesion = "

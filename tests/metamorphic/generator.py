@@ -1416,6 +1416,22 @@ def attracted_bodies_leave(d):
     d.random = kept
 
 
+@feature
+def plastic_contacts(d):
+    """What neither attracts nor has cells or a barrier yields in some cases. Draws of its own: what other features draw stays."""
+    own = random_numbers.Random(f"plastic contacts {d.case.note}")
+    table, pairs = d.words.get("contact", {}), d.words["pairs"]
+    if own.random() >= 0.2 or d.gather != "potential" or "barrier" in table or table.get("on_overlap") == "continue" or "cell_size" in d.case.text():
+        return
+    if "step" in d.words["time"] or any(word in pair for pair in pairs for word in ("pull_off", "adhesion", "surface_tension")):
+        return   # a step that is given was chosen for contacts that do not stiffen
+    for pair in pairs:
+        if own.random() < 0.8:
+            pair["plasticity"] = own.uniform(0.05, 0.9)
+            if own.random() < 0.6:
+                pair["adhesive_ratio"] = own.uniform(0.01, 0.5)
+
+
 def rotation(q):
     w, x, y, z = q
     return numpy.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],

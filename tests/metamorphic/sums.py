@@ -201,7 +201,7 @@ def finer_steps_keep_energy(trial):
         wall.pop("wear", None)
     for pair in words.get("pairs", []):
         pair["restitution"] = 1.0
-        for key in ("friction", "friction_sliding", "rolling_friction", "torsional_friction"):
+        for key in ("friction", "friction_sliding", "rolling_friction", "torsional_friction", "plasticity", "adhesive_ratio"):
             pair.pop(key, None)
         if "adhesion_hysteresis" in pair or "surface_tension" in pair:   # more work to part than to join
             for key in ("adhesion", "adhesion_model", "adhesion_hysteresis", "surface_tension", "contact_angle", "bridge_volume", "bridge_rupture"):
@@ -410,7 +410,7 @@ def restitution_scene(trial):
     r = trial.random
     pair = dict(r.choice(words["pairs"]))
     for key in ("friction", "friction_sliding", "rolling_friction", "torsional_friction", "pull_off", "adhesion", "adhesion_model", "adhesion_range",
-                "separation_energy", "adhesion_hysteresis", "surface_tension", "contact_angle", "bridge_volume", "bridge_rupture"):
+                "separation_energy", "adhesion_hysteresis", "surface_tension", "contact_angle", "bridge_volume", "bridge_rupture", "plasticity", "adhesive_ratio"):
         pair.pop(key, None)
     if case.value("contact", "gather", "potential") == "pairs":
         raise NotApplicable("gather = pairs is for comparison")

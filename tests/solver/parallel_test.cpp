@@ -54,6 +54,8 @@ TEST(SameBits, of_a_heap_that_sticks) { expect_same_bits_everywhere(sticky(dense
 
 TEST(SameBits, of_a_heap_with_liquid_bridges) { expect_same_bits_everywhere(wet(dense_heap(2, 2, 3)), 900, false); }
 
+TEST(SameBits, of_a_heap_whose_contacts_yield) { expect_same_bits_everywhere(plastic(dense_heap(2, 2, 3)), 900, false); }
+
 TEST(SameBits, of_balls_that_stick_by_necks) { expect_same_bits_everywhere(necked_heap(), 900, false); }
 
 TEST(SameBits, of_an_elastic_layer_that_sticks) { expect_same_bits_everywhere(sticky_layers(), 500, false); }

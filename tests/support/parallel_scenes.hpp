@@ -77,6 +77,13 @@ inline Scene wet(Scene scene) {
   return scene;
 }
 
+/// A scene of rock_scene() whose contacts yield, and pull by a third of what they bear.
+inline Scene plastic(Scene scene) {
+  scene.pairs[0].plasticity = 0.7;
+  scene.pairs[0].adhesive_ratio = 0.3;
+  return scene;
+}
+
 /// Balls that stick by the necks of JKR with seven times their weight.
 inline Scene necked_heap() {
   Scene scene = rock_scene();

@@ -43,6 +43,65 @@ def damping_ratio(e):
     return (low + high) / 2
 
 
+# --- contacts that yield: F1 = k1 d^n, unloaded along k2 d^n; energies in units of that of the first loading, overlaps of its largest
+def plastic_restitution(plasticity, adhesive, n):
+    """Of an impact without other losses. What comes back is the integral of k2 (x^n - s^n) from the dent s to 1; adhesion then takes that of the same from s on down
+    to where it meets -k_adh x^n, and of that to 0. 0 where it takes all: the bodies stick."""
+    ratio = 1 / (1 - plasticity)
+    dent = plasticity ** (1 / n)
+    least = dent * (ratio / (ratio + adhesive)) ** (1 / n)   # k2 (x^n - s^n) = -k_adh x^n
+    area = lambda x: ratio * (x ** (n + 1) - (n + 1) * dent**n * x)
+    back = area(1.0) - area(dent)
+    lost = area(least) - area(dent) + adhesive * least ** (n + 1) if adhesive > 0 else 0.0
+    return math.sqrt(max(0.0, back - lost))
+
+
+def damped_plastic_restitution(plasticity, e):
+    """Linear, of a dashpot 2 zeta sqrt(m k2) with the zeta of the restitution e, without adhesion; the force never pulls. m = k2 = 1, speed 1."""
+    zeta, k1 = damping_ratio(e), 1 - plasticity
+    loaded = solve_ivp(lambda t, y: (y[1], -k1 * y[0] - 2 * zeta * y[1]), (0, 100), (0.0, 1.0), events=_turns, rtol=1e-11, atol=1e-13)
+    deepest = loaded.y_events[0][0][0]
+    dent = plasticity * deepest
+
+    def ends(t, y):
+        return (y[0] - dent) + 2 * zeta * y[1]
+    ends.terminal, ends.direction = True, -1
+    left = solve_ivp(lambda t, y: (y[1], -(y[0] - dent) - 2 * zeta * y[1]), (0, 100), (deepest, 0.0), events=ends, rtol=1e-11, atol=1e-13)
+    return -left.y_events[0][0][1]
+
+
+def _turns(t, y):
+    return y[1]
+
+
+_turns.terminal, _turns.direction = True, -1
+
+
+class Eepa:
+    """Force of a contact as its overlap goes up and down, by the largest overlap (Thakur, Morrissey, Sun, Chen, Ooi, Granular Matter 16 (2014) 383, equations 2
+    and 3; without adhesion that of Walton and Braun: the largest overlap stays)."""
+
+    def __init__(self, stiffness, plasticity, adhesive, n):
+        self.k1, self.k2, self.pull, self.n, self.most, self.branch = stiffness, stiffness / (1 - plasticity), adhesive * stiffness, n, 0.0, None
+
+    def force(self, overlap):
+        x = overlap**self.n
+        self.most = max(self.most, x)
+        unloaded = self.k2 * (x - (1 - self.k1 / self.k2) * self.most)
+        if x == self.most:
+            self.branch = "loaded"
+            return self.k1 * x
+        if unloaded > -self.pull * x or (self.pull == 0 and unloaded > 0):
+            self.branch = "unloaded"
+            return unloaded
+        if self.pull == 0:
+            self.branch = "unloaded"
+            return 0.0
+        self.branch = "adhesive"
+        self.most = (self.k2 + self.pull) / (self.k2 - self.k1) * x
+        return -self.pull * x
+
+
 def hunt_crossley_alpha(e):
     """alpha = chi v_0 of the linear Hunt-Crossley law: alpha (1 + e) = ln((1 + alpha)/(1 - alpha e))."""
     low, high = 1e-12, 1 / e - 1e-12

@@ -20,7 +20,7 @@ from report import Report
 from scene import ToolError, Tools
 
 GROUPS = ["cases_geometry", "cases_normal", "cases_chung_ooi", "cases_impulse", "cases_friction", "cases_rotation", "cases_statics",
-          "cases_nonconvex", "cases_bulk", "cases_drag", "cases_start", "cases_feed", "cases_belt", "cases_load", "cases_touch", "cases_wear", "cases_cohesion", "cases_bonds", "cases_sleep", "cases_valleys", "cases_overlap", "cases_heat", "cases_cell", "cases_masonry"]
+          "cases_nonconvex", "cases_bulk", "cases_drag", "cases_start", "cases_feed", "cases_belt", "cases_load", "cases_touch", "cases_wear", "cases_cohesion", "cases_bonds", "cases_sleep", "cases_valleys", "cases_overlap", "cases_heat", "cases_cell", "cases_masonry", "cases_plastic"]
 
 
 def all_cases():

@@ -52,6 +52,7 @@ struct ImpactEntry {
   Vec3 rolling;                                  ///< torque
   double surface_friction, surface_rolling;      ///< on a surface that moves [W]
   double stored_by_friction, stored_by_rolling;  ///< in springs [J]
+  double yielded;                                ///< what its dent took in the step [J]
   std::array<double, kImpactParts> impact{};     ///< of a contact that begins [J]; 0: none
 };
 
@@ -117,6 +118,7 @@ ImpactEntry impact_entry(const PairContact& c, std::size_t materials) {
   entry.surface_rolling = c.force.surface_power - entry.surface_friction;
   entry.stored_by_rolling = c.force.rolling_elastic;
   entry.stored_by_friction = c.force.tangential_elastic - c.force.rolling_elastic;
+  entry.yielded = c.force.yielded;
   entry.impact = beginning_of(c.features, c.motion, c.friction_dt).energy;
   return entry;
 }
@@ -146,6 +148,7 @@ void add_entries(const RunState& s, const std::vector<std::vector<ImpactEntry>>&
       of.lost[kRollingLoss].add(dt * e.surface_rolling);
     }
     if (!events || !e.counts_here) return;
+    if (e.yielded > 0) of.lost[kDampingLoss].add(e.yielded);
     for (std::size_t k = 0; k < kImpactParts; ++k) {
       if (!(e.impact[k] > 0)) continue;
       ImpactBin& bin = of.bins[impact_bin(e.impact[k])];
