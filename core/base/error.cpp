@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <map>
 #include <mutex>
 #include <new>
@@ -37,6 +38,9 @@ int run_main(const std::string& tool, const std::function<int()>& body) {
     return static_cast<int>(error.code());
   } catch (const std::bad_alloc&) {
     print_message(tool, "error", "31", "out of memory; use a smaller case or more ranks on more machines");
+    return static_cast<int>(ExitCode::system);
+  } catch (const std::filesystem::filesystem_error& error) {
+    print_message(tool, "error", "31", fmt::format("cannot use {}: {}", error.path1().string(), error.code().message()));
     return static_cast<int>(ExitCode::system);
   } catch (const std::exception& error) {
     print_message(tool, "internal error", "31", error.what());

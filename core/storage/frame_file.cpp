@@ -242,7 +242,8 @@ Frame read_frame_file(const std::string& path, FrameParts parts) {
 std::vector<FrameEntry> list_frames(const std::string& run_folder) {
   const std::filesystem::path folder(run_folder);
   const std::filesystem::path index = folder / "frames.hdf.series";
-  if (!std::filesystem::is_directory(folder)) throw InputError("{}: no such run folder", run_folder);
+  std::error_code failed;
+  if (!std::filesystem::is_directory(folder, failed)) throw InputError("{}: no such run folder", run_folder);
   std::ifstream stream(index);
   if (!stream) {
     throw InputError(

@@ -361,8 +361,10 @@ std::string advice_for_mesh(const std::string& path) {
 
 File::File(const std::string& path) : path_(path) {
   silence_library();
-  if (!std::filesystem::exists(path)) throw InputError("{}: no such file{}", path, near_file(path));
-  if (std::filesystem::is_directory(path)) throw InputError("{}: is a folder, an HDF5 file was expected", path);
+  std::error_code failed;  // of a name that is too long, for one
+  if (!std::filesystem::exists(path, failed))
+    throw InputError("{}: {}{}", path, failed ? failed.message() : "no such file", near_file(path));
+  if (std::filesystem::is_directory(path, failed)) throw InputError("{}: is a folder, an HDF5 file was expected", path);
   if (H5Fis_hdf5(path.c_str()) <= 0) throw InputError("{}: not an HDF5 file, or truncated at its start{}", path, advice_for_mesh(path));
   const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (id < 0) throw InputError("{}: cannot be opened: {}; the file is truncated or damaged, make it again", path, library_error());

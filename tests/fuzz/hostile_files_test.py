@@ -117,6 +117,18 @@ with open("changed.run/run.json", "w", encoding="utf-8") as file:
     json.dump(record, file)
 tool("scree-post", "statistics", "changed.run", "-o", "st", "--no-charts", "--frames", "last")
 
+# a name that no file can have
+shutil.rmtree("changed.run", ignore_errors=True)
+shutil.copytree(RUN, "changed.run")
+with open("changed.run/frames.hdf.series", encoding="utf-8") as file:
+    series = json.load(file)
+series["files"][1]["name"] = "x" * 70000
+with open("changed.run/frames.hdf.series", "w", encoding="utf-8") as file:
+    json.dump(series, file)
+tool("scree-post", "bodies", "changed.run", "-o", "x.csv", code=BAD_DATA, says="File name too long")
+tool("scree-decomposer", "pack", "rich.toml", "-o", "x" * 300 + ".scene.h5", code=4, says="File name too long")
+shutil.copy(os.path.join(RUN, "frames.hdf.series"), "changed.run/frames.hdf.series")
+
 # a run that was killed, or still goes on, with inlets and outlets
 os.remove("changed.run/run.json")
 for words in (["report", "changed.run", "-o", "x.html"], ["statistics", "changed.run", "-o", "st", "--no-charts"]):

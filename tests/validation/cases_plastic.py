@@ -17,7 +17,7 @@ R, YOUNG = .5, 2e6
 DENSITY = 1 / (4 / 3 * math.pi * R**3)
 
 
-def thrown(name, law, steps, loads, speed, damped=1.0, every=1.0, contacts=False, phases=PHASES, duration=1.3):
+def thrown(name, law, steps, loads, speed, damped=1.0, every=1.0, contacts=False, phases=PHASES, duration=4):
     """Balls of mass 1 that fall on a plane: one for each pair of plasticity and adhesion, and phase of the first contact within a step. The step is a share of
     the contact of the steepest of them."""
     hertz = law == "hertz-mindlin"
@@ -86,7 +86,7 @@ def p2(tools, report):
 def p3(tools, report):
     k, side, margin, share = 1e4, .5, .01, .75
     turns = {"face": (1.0, 0, 0, 0), "edge": quaternion((1, 0, 0), math.pi / 4), "corner": quaternion((1, -1, 0), math.acos(1 / math.sqrt(3)))}
-    mesh = meshes.box((side, side, side), shift=(-side / 2, -side / 2, -side / 2))
+    mesh = meshes.box((side, side, side))
     mass = 1000 * side**3
     speed = .25 * margin * math.sqrt(k / mass)
     dt = math.pi * math.sqrt(mass / k) / 400

@@ -48,7 +48,6 @@ void HeatEffect::on_rebuild(const StepParts& parts) {
   const RunState& s = parts.state;
   at_rest_.assign(s.pairs.pairs().size(), -1.0);
   stored_.assign(friction_heat_ ? s.pairs.pairs().size() : 0, 0.0);
-  yielded_.assign(friction_heat_ && s.scene.law_choice().yields ? s.pairs.pairs().size() : 0, 0.0);
   source_rows_.clear();
   for (std::size_t i = 0; i < s.particles.owned && !sources_.empty(); ++i) {
     const auto found =
@@ -79,7 +78,6 @@ void HeatEffect::find_frozen(const StepParts& parts) {
 
 void HeatEffect::before_forces(RunState& s) {
   for (std::vector<Contact>& of_thread : seen_) of_thread.clear();
-  std::fill(yielded_.begin(), yielded_.end(), 0.0);
   for (std::size_t k = 0; k < stored_.size(); ++k) {
     const BodyPair& pair = s.pairs.pairs()[k];
     stored_[k] = pair.state.springs.empty() ? 0 : stored_in_springs(pair);
@@ -219,7 +217,6 @@ void HeatEffect::add_made(const RunState& s, double share) {
   for (std::size_t k = 0; k < stored_.size(); ++k) {
     const BodyPair& pair = s.pairs.pairs()[k];
     const bool active = s.pairs.results()[k].active;
-    if (!yielded_.empty()) add_loss(pair, p.owned, yielded_[k]);
     if (!active && stored_[k] == 0) continue;
     const double now = pair.state.springs.empty() ? 0 : stored_in_springs(pair);
     add_loss(pair, p.owned, (active ? contact_loss(s, k, share * s.clock.dt) : 0) + stored_[k] - now);

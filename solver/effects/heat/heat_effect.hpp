@@ -91,7 +91,7 @@ class HeatEffect : public Effect, public PairObserver {
   void observe(const PairContact& contact) override {
     const auto pair = static_cast<std::int32_t>(&contact.pair - state_.pairs.pairs().data());
     seen_[contact.thread].push_back({pair, conductance_.of(contact, state_.particles)});
-    if (!yielded_.empty()) yielded_[static_cast<std::size_t>(pair)] = contact.force.yielded;
+    if (contact.force.yielded > 0 && friction_heat_) stored_[static_cast<std::size_t>(pair)] += contact.force.yielded;
   }
   void end_step(const StepParts& parts) override;
   void on_step_change(RunState& s, double difference) override;
@@ -144,8 +144,7 @@ class HeatEffect : public Effect, public PairObserver {
   std::vector<Contact> contacts_;           // of this step, in the order of pairs
   std::vector<Flow> flows_;                 // the same, then gaps with gas in the order of theirs
   std::vector<double> at_rest_;             // of each pair: conductance between two sides that do not move; < 0: not known [W/K]
-  std::vector<double> stored_;              // of each pair: in its springs before the step [J]
-  std::vector<double> yielded_;             // of each pair where contacts are plastic: what its dent takes in the step [J]
+  std::vector<double> stored_;              // of each pair: in its springs before the step, and what its dent took in it [J]
   std::vector<std::pair<std::size_t, std::size_t>> source_rows_;  // rows with a source, and its index
   std::vector<double> given_;                                     // the same: what it gets in the step whatever temperatures are [J]
   std::vector<double> stage_, power_first_, power_;
