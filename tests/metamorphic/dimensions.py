@@ -92,7 +92,7 @@ DIMENSIONS = {
 # numbers that are the same in all units
 PLAIN = {
     "seed", "start.checkpoint", "start.frame", "time.steps_per_contact", "contact.barrier", "materials.*.poisson",
-    "pairs.*.restitution", "pairs.*.friction", "pairs.*.friction_sliding", "pairs.*.tangential_ratio", "pairs.*.tangential_damping",
+    "pairs.*.restitution", "pairs.*.plasticity", "pairs.*.adhesive_ratio", "pairs.*.friction", "pairs.*.friction_sliding", "pairs.*.tangential_ratio", "pairs.*.tangential_damping",
     "pairs.*.rolling_friction", "pairs.*.torsional_friction",
     "bodies.*.orientation", "bodies.*.scale", "bonds.*.tangential_ratio", "bonds.*.damping", "bonds.*.strength_scatter.weibull_modulus",
     "populations.*.count", "populations.*.jitter", "populations.*.solid_fraction", "populations.*.orientation",
