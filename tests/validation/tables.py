@@ -24,7 +24,8 @@ GROUPS = {
     "G": "mass properties", "C": "normal contact; C4 to C11 are tests 1 to 8 of Chung and Ooi, Granular Matter 13 (2011) 643",
     "I": "impulses of bodies off centre", "F": "friction and rolling", "R": "free rotation", "S": "statics", "M": "arches and dominoes", "N": "concave bodies",
     "B": "packings and silos", "D": "drag in a fluid", "E": "starts from a run", "Q": "inlets and outlets", "K": "belts and turntables", "L": "walls that answer to load", "T": "where touch begins", "W": "load maps and wear",
-    "A": "attraction", "J": "bonds", "Y": "bodies that sleep", "V": "bodies in valleys", "O": "beyond the maximum overlap", "H": "heat", "Z": "periodic cells"}
+    "A": "attraction", "J": "bonds", "Y": "bodies that sleep", "V": "bodies in valleys", "O": "beyond the maximum overlap", "H": "heat", "Z": "periodic cells",
+    "P": "contacts that yield"}
 
 READING = """Tier U runs with every commit, tier N in the workflow, tier W (B and N6, at a small size) on demand. A body with facets is compared with
 the formula with its own mass and inertia; the error of the facets is listed separately. Mesh independence, ranks and features that are left
