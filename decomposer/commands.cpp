@@ -13,6 +13,7 @@
 #include "core/distance/triangle_distance.hpp"
 #include "core/storage/frame_check.hpp"
 #include "core/storage/h5.hpp"
+#include "core/storage/plasticity.hpp"
 #include "decomposer/cut/compare_cuts.hpp"
 #include "decomposer/cut/predicted_work.hpp"
 #include "decomposer/packing/build_scene.hpp"
@@ -59,12 +60,15 @@ std::string partition_line(const Scene& scene) {
                      scene.partition.predicted_imbalance);
 }
 
-std::string start_line(const StartState& start) {
+std::string start_line(const Scene& scene, const StartState& start) {
   const std::string springs = start.q_principal.empty() ? "a frame holds no springs: all contacts start without"
                                                         : fmt::format("{} contacts keep their springs{}", start.pair_count(),
                                                                       start.left > 0 ? fmt::format(", {} do not", start.left) : "");
   return fmt::format("start              {} bodies of {}, {} at {}; {}\n", start.bodies, start.run, start.file,
-                     format_quantity(start.time, Dimension::time), springs);
+                     format_quantity(start.time, Dimension::time),
+                     springs + (start.q_principal.empty() && std::any_of(scene.pairs.begin(), scene.pairs.end(), yields)
+                                    ? "; plastic contacts start pressed for the first time, which pushes those apart that were unloaded"
+                                    : ""));
 }
 
 double solid_volume(const Scene& scene) {
@@ -172,7 +176,7 @@ CommandResult pack_command(const PackOptions& options, const std::vector<std::st
     for (std::int32_t p : scene.bodies.population) count += p == static_cast<std::int32_t>(k) ? 1 : 0;
     result.output += fmt::format("population {:<7} {} bodies, solid fraction {:.4f} of its region\n", k, count, report.solid_fraction[k]);
   }
-  if (packed.start) result.output += start_line(*packed.start);
+  if (packed.start) result.output += start_line(scene, *packed.start);
   result.output += solid_fraction_line(report.particle_volume, report.container_volume);
   const std::string ratio =
       scene.settings.margin_ratio > 0 ? fmt::format(", {:.3g} % of a body's radius", 100 * scene.settings.margin_ratio) : "";
