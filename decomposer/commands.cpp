@@ -29,10 +29,11 @@ namespace {
 /// Found out before the work, not after it.
 void check_folder(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  if (!folder.empty() && !std::filesystem::is_directory(folder)) {
+  std::error_code unknown;  // then the file cannot be written, which says why
+  if (!folder.empty() && !std::filesystem::is_directory(folder, unknown)) {
     throw SystemError("-o {}: there is no folder {}; make it first", path, folder.string());
   }
-  if (std::filesystem::is_directory(path)) throw UsageError("-o {}: is a folder, expected a file name such as box.scene.h5", path);
+  if (std::filesystem::is_directory(path, unknown)) throw UsageError("-o {}: is a folder, expected a file name such as box.scene.h5", path);
 }
 
 void check_output(const std::string& path) {

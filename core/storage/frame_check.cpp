@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/base/error.hpp"
 #include "core/storage/json_object.hpp"
@@ -98,6 +99,15 @@ class Checker {
     }
   }
 
+  /// All counts together are a number too: sums and differences of them cannot overflow.
+  void counts(const FrameImpacts& impacts) const {
+    std::int64_t normal_room = std::numeric_limits<std::int64_t>::max(), shear_room = normal_room;
+    for (std::size_t i = 0; i < impacts.size(); ++i) {
+      take(normal_room, impacts.normal_count[i], "normal_count", i);
+      take(shear_room, impacts.shear_count[i], "shear_count", i);
+    }
+  }
+
   void bonds(const FrameBonds& b) const {
     for (std::size_t i = 0; i < b.size(); ++i) {
       index(row_of("bonds", i), "bond", b.bond[i], scene_.bonds.size());
@@ -108,6 +118,10 @@ class Checker {
  private:
   InputError wrong(const std::string& who, const std::string& what) const {
     return InputError("{}: {} has {}; the frame is damaged", path_, who, what);
+  }
+  void take(std::int64_t& room, std::int64_t count, const char* what, std::size_t row) const {
+    if (count < 0 || count > room) throw wrong(row_of("impacts", row)(), fmt::format("{} {}, a number of impacts expected", what, count));
+    room -= count;
   }
   template <class Who>
   void index(const Who& who, const char* what, std::int64_t value, std::size_t count) const {
@@ -143,6 +157,7 @@ void check_frame(const Scene& scene, const Frame& frame, const std::string& path
   check.cell(frame.cell);
   check.maps(frame.loads, frame.wear);
   check.materials(frame.impacts, "impacts");
+  check.counts(frame.impacts);
   check.materials(frame.losses, "losses");
   check.bonds(frame.bonds);
 }

@@ -15,6 +15,18 @@ namespace {
 // Padded to four digits for people; from the 10 001st shape on the names sort otherwise as text than as numbers.
 std::string group_of_shape(std::int64_t number) { return fmt::format("shape_{:04}", number); }
 
+double sphere_area(double radius) { return 4 * std::numbers::pi * radius * radius; }
+
+// The same sum of the same numbers: another compiler may round it otherwise, a relative 1e-16 for each triangle.
+constexpr double kAreaTolerance = 1e-9;
+
+/// A vertex or a radius that was changed shows in the area, which the file holds too.
+void check_area(const std::string& path, const Shape& shape) {
+  const double area = shape.kind == ShapeKind::sphere ? sphere_area(shape.sphere_radius) : surface_area(shape.mesh);
+  if (std::isfinite(area) && std::abs(area - shape.area) <= kAreaTolerance * area) return;
+  throw InputError("{}: its attribute 'area' is {:g} m^2, but its surface has {:g} m^2; the file is damaged", path, shape.area, area);
+}
+
 }  // namespace
 
 double Shape::bounding_radius() const { return scree::bounding_radius(mesh) + sphere_radius; }
@@ -55,7 +67,7 @@ Shape make_sphere(const std::string& name, double radius) {
   shape.mesh.vertices = {Vec3{}};
   shape.sphere_radius = radius;
   shape.mass = sphere_mass_properties(radius);
-  shape.area = 4 * std::numbers::pi * radius * radius;
+  shape.area = sphere_area(radius);
   return shape;
 }
 
@@ -143,9 +155,10 @@ std::vector<Shape> read_shapes(const h5::Group& group) {
     for (int i = 0; i < 3; ++i) shape.mass.inertia[i] = inertia[static_cast<std::size_t>(i)];
     shape.mass.body_from_principal = principal[0];
     shape.verdict = nlohmann::json::parse(g.read_text("verdict"), nullptr, false);
-    if (shape.kind != ShapeKind::surface && !(shape.mass.volume > 0)) {
+    if (shape.kind != ShapeKind::surface && (!(shape.mass.volume > 0) || !std::isfinite(shape.mass.volume))) {
       throw InputError("{}: volume {:g}; a body needs a volume > 0", g.path(), shape.mass.volume);
     }
+    check_area(g.path(), shape);
     shapes.push_back(std::move(shape));
   }
   return shapes;

@@ -36,7 +36,8 @@ void check_readable(const std::string& path) {
     const int reason = errno;
     throw SystemError("cannot read {}: {}{}", path, std::strerror(reason), near_file(path));
   }
-  if (std::filesystem::is_directory(path)) throw SystemError("cannot read {}: it is a folder; give the mesh file in it", path);
+  std::error_code unknown;
+  if (std::filesystem::is_directory(path, unknown)) throw SystemError("cannot read {}: it is a folder; give the mesh file in it", path);
   if (std::fgetc(file.get()) == EOF) throw InputError("{}: the file is empty (0 bytes); export the model again", path);
 }
 

@@ -72,6 +72,10 @@ for name, change, says in (("text", dataset("provenance", numpy.full(200000, b"A
                            ("none", attribute("/", "format_version", h5py.Empty("<i8")), "0 values, one expected"),
                            ("class", attribute("/", "format_version", 1.5), "floating-point numbers, whole numbers expected"),
                            ("real", attribute("shapes/shape_0000", "volume", b"large"), "texts, numbers expected"),
+                           ("vertex", row("shapes/shape_0000/vertices", 0, 1e-3), "its attribute 'area' is "),
+                           ("far", row("shapes/shape_0000/vertices", 0, 1e308), "its attribute 'area' is 0.001168 m^2"),
+                           ("area", attribute("shapes/shape_0000", "area", 1.0), "its attribute 'area' is 1 m^2, but its surface has "),
+                           ("volume", attribute("shapes/shape_0000", "volume", numpy.inf), "volume inf"),
                            ("group", dataset("shapes", [1.0]), "cannot be opened")):
     tool("scree-mesher", "info", changed_file("rock.shape.h5", f"{name}.shape.h5", change), code=BAD_DATA, says=says)
 for name, change, says in (("settings", dataset("settings", WORDS), "6000 values, one expected"),
@@ -91,7 +95,9 @@ for change, says in ((row(BODIES + "material", 1, 100000000), "has material 1000
                      (row(BODIES + "quat", 1, [0, 0, 0, 0]), "an orientation of norm 0"), (row("VTKHDF/Points", 1, numpy.nan), "not a finite number"),
                      (row("walls/id", 1, 12345), "wall 12345"), (row("walls/orientation", 1, numpy.nan), "an orientation of norm nan"),
                      (row("loads/triangle", 1, 1 << 20), "triangle 1048576"), (row("loads/wall", 1, 12345), "wall 12345"),
-                     (dataset("wear/wall", numpy.zeros(0, "<i8")), "rows found"), (row("losses/material_b", 1, 77), "material 77")):
+                     (dataset("wear/wall", numpy.zeros(0, "<i8")), "rows found"), (row("losses/material_b", 1, 77), "material 77"),
+                     (row("impacts/normal_count", 0, -2**63), "row 0 of its impacts has normal_count -9223372036854775808"),
+                     (row("impacts/shear_count", slice(0, 2), 2**62), "row 1 of its impacts has shear_count 4611686018427387904")):
     tool("scree-post", "bodies", changed_run(change), "-o", "x.csv", code=BAD_DATA, says=says)
 run = changed_run(dataset("bonds/bond", numpy.zeros(0, "<i8")), WITH_BONDS)
 tool("scree-post", "vtk", run, "-o", "v", "--what", "bonds", "--frames", "1", code=BAD_DATA, says="rows found")
