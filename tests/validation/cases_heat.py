@@ -141,15 +141,15 @@ def h4(tools, report):
         report.check(f"{name}: area over that of the faces as drawn", area / edge**2, 1, 0.1, note="less the rounding of the edges")
 
 
-def box_of_rocks(name, step, duration, friction_heat=True, **words):
-    """An adiabatic box, in which rocks and balls slide and bounce."""
+def box_of_rocks(name, step, duration, friction_heat=True, pair=None, **words):
+    """An adiabatic box, in which rocks and balls slide and bounce. `pair`: more words of all pairs of materials."""
     c = Case(name, duration=duration, step=step, gravity=(0, 0, -9.81), margin=1e-3, every=duration / 8, contact={"impact_speed": 2}, **words)
     c.heat = {"temperature": 300.0, "friction_heat": friction_heat}
     c.mesh("rock", meshes.icosphere(1, 0.01))
     c.sphere("ball", 0.008)
     c.material("m", 2000.0, heat_capacity=0.5, conductivity=1e-3)
     c.material("steel", 7800.0, conductivity=50.0)
-    c.pair_all(stiffness=1e5, restitution=0.6, friction=0.4, rolling_friction=0.05)
+    c.pair_all(**{"stiffness": 1e5, "restitution": 0.6, "friction": 0.4, "rolling_friction": 0.05} | (pair or {}))
     random = numpy.random.default_rng(7)
     for i in range(8):
         place = (0.013 + 0.027 * (i % 2), 0.013 + 0.027 * (i // 2 % 2), 0.014 + 0.027 * (i // 4))

@@ -1,10 +1,11 @@
-"""P: contacts that yield. Restitution, force on every branch, energy."""
+"""P: contacts that yield. Restitution, force on every branch, energy, heat."""
 import math
 
 import numpy
 
 import closed_forms as cf
 import meshes
+from cases_heat import box_of_rocks
 from registry import case_of
 from scene import Case, quaternion, rotated
 
@@ -101,3 +102,25 @@ def p3(tools, report):
     run = report.run(c.run(tools))
     for i, name in enumerate(turns):
         report.check(f"on its {name}: restitution", run.v[-1, i, 2] / speed, math.sqrt(1 - share), 5e-5)
+
+
+@case("P4", "U", "what contacts that yield take: in the balance, in losses of pairs, as heat", "dissipated = sum of losses by cause = heat made; E (1 - e^2) along the normal alone")
+def p4(tools, report):
+    c = thrown("P4-thrown", "linear", 60, LOADS, 1.0)
+    c.tables["output"]["impacts"] = True
+    run = report.run(c.run(tools))
+    losses, energy = run.losses[-1], .5 * PHASES
+    for i, (share, adhesive) in enumerate(LOADS):
+        of_pair = losses["material_b"] == i + 1   # materials are in the order of their names: the floor is material 0
+        for cause, expected in (("damping", 1 - cf.plastic_restitution(share, adhesive, 1.0)**2), ("friction", 0.0), ("rolling", 0.0)):
+            report.check(f"plasticity {share:g}, adhesive ratio {adhesive:g}: losses by {cause}, over the energy before", losses[cause][of_pair].sum() / energy, expected, 1e-4, "absolute")
+    for adhesive in (0.0, .1):
+        pair = {"restitution": .8, "plasticity": .5} | ({"adhesive_ratio": adhesive} if adhesive else {})
+        c = box_of_rocks(f"P4-box-{adhesive:g}", 1e-5, .2, pair=pair, impacts=True)
+        run = report.run(c.run(tools))
+        log, losses = run.log, run.losses[-1]
+        name = f"adiabatic box, adhesive ratio {adhesive:g}"
+        made = log["heat_made"][-1] + log["heat_made_in_walls"][-1]
+        report.check(f"{name}: heat made over dissipated", made / log["dissipated"][-1], 1, 1e-12)
+        report.check(f"{name}: losses of all pairs over dissipated", sum(losses[cause].sum() for cause in ("damping", "friction", "rolling")) / log["dissipated"][-1], 1, 1e-9)
+        report.at_least(f"{name}: losses by damping, of it", losses["damping"].sum() / log["dissipated"][-1], .2)
