@@ -32,7 +32,8 @@ class Arch:
         self.area = h * (a + b) / 2
         self.middles = [(2 * i + 1) * self.half for i in range(count)]
 
-    def can_stand(self, friction, down=(0, -1)):
+    def model(self):
+        """Blocks and contacts, as closed_forms.can_stand() has them."""
         blocks = [(self.radius * math.cos(a), self.radius * math.sin(a), self.area) for a in self.middles]
         low = 1 - self.thickness / 2 + self.margin / math.tan(math.pi / 4 + self.half / 2)   # inner corners are wider than a right angle by half the angle of a voussoir
         high = 1 + self.thickness / 2 - self.margin / math.tan(math.pi / 4 - self.half / 2)
@@ -43,7 +44,10 @@ class Arch:
             for r in (low, high):
                 point = (r * math.cos(a), r * math.sin(a))
                 contacts.append((joint - 1 if joint else None, joint, point, along) if joint < self.count else (None, joint - 1, point, (-along[0], -along[1])))
-        return cf.can_stand(blocks, contacts, friction, down)
+        return blocks, contacts
+
+    def can_stand(self, friction, down=(0, -1)):
+        return cf.can_stand(*self.model(), friction, down)
 
 
 @functools.cache

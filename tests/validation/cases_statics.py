@@ -5,6 +5,7 @@ import numpy
 
 import closed_forms as cf
 import meshes
+from cases_masonry import Arch
 from cases_rotation import product
 from registry import case_of
 from scene import Case, quaternion, rotated
@@ -275,24 +276,11 @@ def pyramid(tools, report):
 
 def arch(tools, report):
     """Half a circle of five stones on a plane. Loads at the corners of the joints, the least friction by linear programming."""
-    inner, outer, depth, count, k, margin = .4, .6, .2, 5, 1e8, 2e-4
-    half = math.pi / (2 * count)
-    s, c_ = math.sin(half), math.cos(half)
-    outline = [(-inner * s, inner * c_), (inner * s, inner * c_), (outer * s, outer * c_), (-outer * s, outer * c_)]
-    stone = meshes.prism(outline, depth)
-    volume, centre, _ = meshes.mass_properties(stone)
-    mass, radius = 1000 * volume, centre[1]
-    middles = [(2 * i + 1) * half for i in range(count)]
-    blocks = [(radius * math.cos(a), radius * math.sin(a), mass) for a in middles]
-    contacts = []
-    for joint in range(count + 1):
-        a = 2 * half * joint
-        for r in (inner, outer):
-            point, along = (r * math.cos(a), r * math.sin(a)), (-math.sin(a), math.cos(a))
-            if joint < count:
-                contacts.append((joint - 1 if joint else None, joint, point, along))
-            else:
-                contacts.append((None, joint - 1, point, (-along[0], -along[1])))
+    mean, depth, k, margin = .5, .2, 1e8, 2e-4
+    of_one = Arch(5, .4)   # the arch over its mean radius
+    inner, radius = mean * (1 - of_one.thickness / 2), mean * of_one.radius
+    stone = meshes.prism([(mean * x, mean * y) for x, y in of_one.outline], depth)
+    blocks, contacts = of_one.model()
     least = cf.least_friction(blocks, contacts)
     report.check("arch, least friction by linear programming against that of its mirror image", cf.least_friction(
         [(-x, z, w) for x, z, w in blocks], [(a, b, (-p[0], p[1]), (-n[0], n[1])) for a, b, p, n in contacts]), least, 1e-6)
@@ -302,9 +290,9 @@ def arch(tools, report):
         c.mesh("stone", meshes.centred(stone))
         c.material("m", 1000.0)
         c.pair_all(stiffness=k, restitution=.1, friction=share * least)
-        for a in middles:
+        for a in of_one.middles:
             # pushed outward and up, so that the gap is the same in every joint
-            r = radius + gap / (2 * s)
+            r = radius + gap / (2 * math.sin(of_one.half))
             c.body("stone", "m", (r * math.cos(a), 0, r * math.sin(a) + gap / 2), orientation=product(upright(math.pi / 2 - a), LIE))
         c.floor()
         run = report.run(c.run(tools))
