@@ -24,7 +24,7 @@ constexpr double kAreaTolerance = 1e-9;
 void check_area(const std::string& path, const Shape& shape) {
   const double area = shape.kind == ShapeKind::sphere ? sphere_area(shape.sphere_radius) : surface_area(shape.mesh);
   if (std::isfinite(area) && std::abs(area - shape.area) <= kAreaTolerance * area) return;
-  throw InputError("{}: its attribute 'area' is {:g} m^2, but its surface has {:g} m^2; the file is damaged", path, shape.area, area);
+  throw InputError("{}: its attribute 'area' is {:.12g} m^2, but its surface has {:.12g} m^2; the file is damaged", path, shape.area, area);
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 # A ready case in its small size: from nothing to its answers, page, picture and ParaView files, killed half way and resumed. "drum-sweep" is a sweep.
 # usage: cases_test.sh RUNNER BIN SCRATCH CASE    "--list" in place of RUNNER prints the cases
 set -euo pipefail
-cases=(hopper column repose drum conveyor triaxial critical-state compression shear-flow press mill screen sticky granuheap impact silo crater crush brazilian beam rockfall granite unbroken
+cases=(hopper column repose drum conveyor triaxial critical-state compression shear-flow flow-function press mill screen sticky granuheap impact silo crater crush brazilian beam rockfall granite unbroken
   shape-dial dice heated-drum heated-bed fluidised drum-sweep)
 if [[ $1 == --list ]]; then printf '%s;' "${cases[@]}"; exit 0; fi
 runner=$1; export SCREE_BIN=$2; scratch=$3/$4
@@ -46,6 +46,13 @@ case $4 in
     grep -qE '^\| 50 kPa \| (0\.999[5-9]|1\.000[0-5]) to (0\.999[5-9]|1\.000[0-5]) ' "$scratch/triaxial/triaxial.md" ||
       { echo "triaxial/triaxial.md: the stress is off by more than 5e-4 of that asked"; cat "$scratch/triaxial/triaxial.md"; exit 1; }
     page triaxial/triaxial-small; resumes triaxial/triaxial-small ;;
+  flow-function)
+    run flow-function
+    # what was pressed holds together where contacts yield, and only there
+    holds flow-function/flow-function.md "^| balls | 125 | \(20\.0\|19\.9\)[0-9] kPa | 0\.[5-7][0-9] | 0\.[45][0-9]* | [2-9]\.[0-9]* kPa | .* | \([2-9]\.[0-9]\) | 1 |$"
+    holds flow-function/flow-function.md "^| balls, contacts that do not yield | 125 | \(20\.0\|19\.9\)[0-9] kPa | .* | 0\.0[0-9] kPa | .* | above 100 | 1 |$"
+    charts flow-function/flow-function
+    page flow-function/ball-20-1; resumes flow-function/ball-20-1 ;;
   critical-state)
     run critical-state
     # dense rocks are stronger than loose ones; the cell holds its stress across to a tenth for forty rocks
