@@ -65,9 +65,10 @@ std::string start_line(const Scene& scene, const StartState& start) {
   const std::string springs = start.q_principal.empty() ? "a frame holds no springs: all contacts start without"
                                                         : fmt::format("{} contacts keep their springs{}", start.pair_count(),
                                                                       start.left > 0 ? fmt::format(", {} do not", start.left) : "");
-  return fmt::format("start              {} bodies of {}, {} at {}; {}\n", start.bodies, start.run, start.file,
+  return fmt::format("start              {} bodies of {}{}, {} at {}; {}\n", start.bodies, start.run,
+                     start.left_out > 0 ? fmt::format(" ({} left out)", start.left_out) : "", start.file,
                      format_quantity(start.time, Dimension::time),
-                     springs + (start.q_principal.empty() && std::any_of(scene.pairs.begin(), scene.pairs.end(), yields)
+                     springs + ((start.q_principal.empty() || start.left > 0) && std::any_of(scene.pairs.begin(), scene.pairs.end(), yields)
                                     ? "; plastic contacts start pressed for the first time, which pushes those apart that were unloaded"
                                     : ""));
 }

@@ -1,11 +1,18 @@
 // Contacts that yield (solver/laws/plastic.hpp): what of a case goes together. Decomposer and solver take it from here.
 #pragma once
 
+#include <algorithm>
+
 #include "core/storage/attraction.hpp"
 
 namespace scree {
 
 inline bool yields(const MaterialPair& pair) { return pair.plasticity > 0; }
+
+/// Steepest tangent of a contact over that of its law as it is pressed: k2 / k1, or the pull that its damping goes with.
+inline double steepening(const MaterialPair& pair) {
+  return yields(pair) ? std::max(1 / (1 - pair.plasticity), 1 + pair.adhesive_ratio) : 1;
+}
 
 /// What a pair gives that does not go together with its plasticity. Follows from the pair and the settings alone.
 inline AttractionFault plasticity_fault(const Settings& settings, const MaterialPair& pair) {

@@ -131,6 +131,8 @@ void write_start_state(const h5::Group& group, const StartState& start) {
   group.write_attribute("time", start.time);
   group.write_attribute("bodies", start.bodies);
   group.write_attribute("left", start.left);
+  if (start.left_out > 0) group.write_attribute("left_out", start.left_out);
+  if (start.clock > 0) group.write_attribute("clock", start.clock);
   if (!start.q_principal.empty()) {
     const h5::Group bodies = group.create_group("bodies");
     bodies.write_array("x_remainder", start.x_remainder, "m");
@@ -150,6 +152,11 @@ std::optional<StartState> read_start_state(const std::string& scene_path, std::s
   start.time = group.read_double_attribute("time");
   start.bodies = group.read_integer_attribute("bodies");
   start.left = group.read_integer_attribute("left");
+  if (group.has_attribute("left_out")) start.left_out = group.read_integer_attribute("left_out");
+  if (start.left_out < 0) throw InputError("{}@left_out: {} found, a number of bodies expected", group.path(), start.left_out);
+  if (group.has_attribute("clock")) start.clock = group.read_double_attribute("clock");
+  if (!(start.clock >= 0) || !std::isfinite(start.clock))
+    throw InputError("{}@clock: {:g} s found, at least 0 expected", group.path(), start.clock);
   if (start.bodies < 0 || start.bodies > static_cast<std::int64_t>(body_count))
     throw InputError("{}@bodies: {} found, but the scene has {} bodies", group.path(), start.bodies, body_count);
   if (group.has("bodies")) {
@@ -171,8 +178,11 @@ std::optional<StartState> read_start_state(const std::string& scene_path, std::s
 }
 
 nlohmann::json start_json(const StartState& start) {
-  return {{"run", start.run},       {"file", start.file},          {"time", start.time},
-          {"bodies", start.bodies}, {"pairs", start.pair_count()}, {"pairs_left", start.left}};
+  nlohmann::json j{{"run", start.run},       {"file", start.file},          {"time", start.time},
+                   {"bodies", start.bodies}, {"pairs", start.pair_count()}, {"pairs_left", start.left}};
+  if (start.left_out > 0) j["left_out"] = start.left_out;
+  if (start.clock > 0) j["clock"] = start.clock;
+  return j;
 }
 
 }  // namespace scree

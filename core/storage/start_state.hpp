@@ -39,10 +39,12 @@ std::vector<PairTable> read_pair_tables(const h5::Group& group);
 void write_pair_tables(const h5::Group& group, const std::vector<PairTable>& tables);
 
 struct StartState {
-  std::string run, file;    ///< the folder as the case names it, and the checkpoint or frame in it
-  double time = 0;          ///< that the run had reached [s]
-  std::int64_t bodies = 0;  ///< that come from it: the first rows of the table of bodies
-  std::int64_t left = 0;    ///< pairs whose state was not taken over, since the wall or the way of gathering is another
+  std::string run, file;      ///< the folder as the case names it, and the checkpoint or frame in it
+  double time = 0;            ///< that the run had reached [s]
+  std::int64_t bodies = 0;    ///< that come from it: the first rows of the table of bodies
+  std::int64_t left_out = 0;  ///< bodies of that run that are not among them
+  std::int64_t left = 0;      ///< pairs whose state was not taken over, since the wall or the way of gathering is another
+  double clock = 0;           ///< of a case that goes on where that run ended: 0 s of it, on the clock of the first run of the chain [s]
   // of a checkpoint, one for each of these bodies; empty of a frame
   std::vector<Vec3> x_remainder;  ///< what rounding took from the position [m]
   std::vector<Quat> q_principal;  ///< principal frame to world, from which the orientation follows

@@ -129,6 +129,8 @@ struct CaseStart {
   std::string run;                                             ///< folder, as it can be opened
   std::int64_t checkpoint = -1, frame = -1;                    ///< step and number; both -1: the last checkpoint
   std::vector<std::pair<std::string, std::string>> materials;  ///< of the run, and what they are called here
+  bool goes_on = false;                                        ///< this case goes on where the run ended
+  std::optional<CaseRegion> leave_out;                         ///< whose bodies stay behind
 };
 
 /// What becomes of bodies of [[bodies]] that start too close to each other or to a wall.

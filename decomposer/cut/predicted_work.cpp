@@ -8,6 +8,7 @@
 #include "core/geometry/features.hpp"
 #include "core/placing/placed_body.hpp"
 #include "core/search/multilevel_grid.hpp"
+#include "core/storage/plasticity.hpp"
 #include "core/storage/wall_state.hpp"
 #include "core/surface/touch_surface.hpp"
 
@@ -47,7 +48,7 @@ double about_step(const Scene& scene, const std::vector<PackShape>& shapes) {
     lightest = mass;
     smallest = std::cbrt(mass / density * 3 / (4 * std::numbers::pi));
   }
-  for (const MaterialPair& pair : scene.pairs) stiffest = std::max(stiffest, pair.spring(0.5 * smallest));
+  for (const MaterialPair& pair : scene.pairs) stiffest = std::max(stiffest, steepening(pair) * pair.spring(0.5 * smallest));
   return stiffest > 0 && lightest < 1e300 ? std::numbers::pi * std::sqrt(0.5 * lightest / stiffest) / scene.settings.steps_per_contact : 0;
 }
 

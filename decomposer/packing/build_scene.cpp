@@ -22,6 +22,7 @@
 #include "decomposer/packing/compact.hpp"
 #include "decomposer/packing/cut_bodies.hpp"
 #include "decomposer/packing/feasibility.hpp"
+#include "decomposer/packing/going_on.hpp"
 #include "decomposer/packing/inlets.hpp"
 #include "decomposer/packing/margin_rule.hpp"
 #include "decomposer/packing/packer.hpp"
@@ -45,6 +46,10 @@ class Builder {
     for (const CasePair& p : case_.pairs) scene().pairs.push_back(p.pair);
     load_shapes();
     load_walls();
+    if (parts_.carried && case_.start->leave_out) {  // its region may be what a wall holds
+      leave_out(case_, load_region(*case_.start->leave_out, case_.start->where + ".leave_out"), parts_.carried->from);
+      load_carried_shapes();
+    }
     if (parts_.carried) parts_.carried->wall_partner = partners_of_walls(parts_.carried->from, parts_.walls, scene().shapes);
     load_regions();
     draw_particles();
@@ -131,6 +136,7 @@ class Builder {
           "{}: the run has {} bonds, which this case would not take over: its bodies would be loose; begin with a run without bonds",
           case_.start->where, carried.from.scene.bonds.size());
     }
+    if (case_.start->goes_on) go_on(case_, carried.from, report().notices);
     parts_.first_id = carried.from.first_free_id;
     out_.inputs.insert(out_.inputs.end(), carried.from.inputs.begin(), carried.from.inputs.end());
     // only now it is known which bodies can meet
@@ -188,6 +194,12 @@ class Builder {
     for (std::size_t b = 0; b < case_.bodies.size(); ++b) {
       if (length(case_.bodies[b].force) > 0)
         scene().forces.push_back({parts_.first_id + static_cast<std::int64_t>(b), case_.bodies[b].force});
+    }
+    if (!case_.start || !case_.start->goes_on) return;
+    const FromRun& from = parts_.carried->from;
+    for (const BodyForce& force : from.scene.forces) {
+      if (std::any_of(from.bodies.begin(), from.bodies.end(), [&](const BodyRow& row) { return row.id == force.id; }))
+        scene().forces.push_back(force);
     }
   }
 
@@ -258,6 +270,7 @@ class Builder {
     parts_.scene_shape.assign(case_.shapes.size(), -1);
     for (std::size_t i = 0; i < case_.shapes.size(); ++i) {
       if (!used[i]) {
+        if (case_.start && case_.start->goes_on) continue;  // the run has bodies of it
         report().notices.push_back(fmt::format("{}: is not used", case_.shapes[i].where));
         continue;
       }
@@ -267,7 +280,7 @@ class Builder {
       scene().shapes.back().cell_size = case_.shapes[i].cell_size;
       load_pieces(i);
     }
-    if (parts_.carried) load_carried_shapes();
+    if (parts_.carried && !case_.start->leave_out) load_carried_shapes();
   }
 
   /// A wall or region keeps the coordinates of its file, also when it was imported as a solid.
@@ -304,6 +317,7 @@ class Builder {
       if (wall.kind == WallKind::mesh) {
         wall.shape = static_cast<std::int32_t>(scene().shapes.size());
         Shape surface = load_wall_surface(case_.walls[i], i);
+        if (parts_.carried) check_surface_goes_on(case_, parts_.carried->from, wall, surface.mesh);
         parts_.wall_shapes[i] = make_pack_shape(surface);
         scene().shapes.push_back(std::move(surface));
       }

@@ -10,6 +10,7 @@
 #include "core/base/units.hpp"
 #include "core/geometry/half_edges.hpp"
 #include "core/storage/attraction.hpp"
+#include "core/storage/plasticity.hpp"
 #include "decomposer/packing/start_points.hpp"
 
 namespace scree {
@@ -259,7 +260,7 @@ double shortest_contact(const Case& c, const Movers& movers) {
   for (const CasePair& p : c.pairs) {
     // of two of the lightest bodies, by size
     const double volume = movers.lightest / c.materials[static_cast<std::size_t>(p.pair.a)].density;
-    stiffest = std::max(stiffest, p.pair.spring(0.5 * std::cbrt(volume * 3 / (4 * std::numbers::pi))));
+    stiffest = std::max(stiffest, steepening(p.pair) * p.pair.spring(0.5 * std::cbrt(volume * 3 / (4 * std::numbers::pi))));
   }
   return stiffest > 0 ? std::numbers::pi * std::sqrt(movers.lightest / (2 * stiffest)) : 0;
 }

@@ -60,6 +60,8 @@ class RunReader {
     if (!fs::exists(scene_path))
       throw InputError("{}.run: {} is no folder of a run: it holds no {}", start_.where, start_.run, kSceneOfRun);
     from_.scene = read_scene_file(scene_path);
+    if (const std::optional<StartState> earlier = read_start_state(scene_path, from_.scene.bodies.size()))
+      from_.clock_of_run = earlier->clock;
     scene_hash_ = sha256_of_file(scene_path);
     from_.inputs.push_back({scene_path, scene_hash_, from_.scene.provenance});
     for (const std::int64_t id : from_.scene.bodies.id) use(id);
@@ -194,6 +196,7 @@ class RunReader {
         drive.way = way[w];
         const WallState state = wall_state(wall, from_.start.time, 0, &drive);
         stood(w, state.position, state.orientation);
+        if (const auto found = from_.driven.find(w); found != from_.driven.end()) found->second.way = drive.way;
       }
     }
     from_.start.pairs = read_pair_tables(root);
@@ -300,6 +303,11 @@ std::vector<std::int32_t> zones_in_case(const FromRun& from, const Scene& scene,
 }  // namespace
 
 std::string FromRun::name_of(std::int64_t id) const { return fmt::format("body {} of {}", id, start.run); }
+
+std::size_t FromRun::wall_named(const std::string& name) const {
+  const auto found = std::find_if(scene.walls.begin(), scene.walls.end(), [&](const Wall& wall) { return wall.name == name; });
+  return static_cast<std::size_t>(found - scene.walls.begin());
+}
 
 std::string FromRun::where_it_stood(const std::string& wall) const {
   for (const auto& [w, stood] : driven) {

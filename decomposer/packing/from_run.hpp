@@ -21,6 +21,7 @@ namespace scree {
 struct StoodWall {
   Wall standing;      ///< without its motion
   Vec3 displacement;  ///< from where the case of the run placed it [m]
+  double way = 0;     ///< the same along its guide [m], or about it [rad]; of a checkpoint
 };
 
 struct FromRun {
@@ -30,10 +31,13 @@ struct FromRun {
   std::vector<InputRecord> inputs;          ///< the scene of the run and its checkpoint or frame
   std::map<std::size_t, StoodWall> driven;  ///< by their index in that scene; none that has no mesh and was turned
   std::optional<CellOfRun> cell;            ///< where the periodic cell of the run deforms: as it was then
+  double clock_of_run = 0;                  ///< StartState::clock of the run, 0 where it has none [s]
   std::int64_t first_free_id = 0;           ///< above all that bodies and walls had in that run, and in those before it
 
   /// "body 17 of settle.run"
   std::string name_of(std::int64_t id) const;
+  /// Index of the first wall of the run with this name; the number of walls: there is none.
+  std::size_t wall_named(const std::string& name) const;
   /// "in settle.run wall 'lid' stood at position = [...]" of a wall with that name that answered to force there; empty: there was none.
   std::string where_it_stood(const std::string& wall) const;
 };

@@ -9,6 +9,7 @@
 #include "core/base/units.hpp"
 #include "core/storage/attraction.hpp"
 #include "core/storage/contact_limits.hpp"
+#include "core/storage/plasticity.hpp"
 
 namespace scree {
 
@@ -157,13 +158,14 @@ struct Sizing {
   double speed = 0;                  ///< of the fastest impact [m/s]
   bool by_modulus = false;           ///< stiffness goes with size
   bool balls_alone = false;          ///< which have no margins: what is derived is their overlap
+  double steepening = 1;             ///< of the steepest contact that yields
 };
 
 /// Sets of stiffness, margin and speed that go together, each with the step that it asks for.
 std::string choices(const Sizing& s) {
   const double good = kNoticeShare * s.smallest, deeper = s.derived / good;
   const auto cost = [&](double stiffness) {
-    const double step = std::numbers::pi * std::sqrt(s.lightest / (2 * stiffness)) / s.settings.steps_per_contact;
+    const double step = std::numbers::pi * std::sqrt(s.lightest / (2 * stiffness * s.steepening)) / s.settings.steps_per_contact;
     return fmt::format("a step of about {}, {:.2g} steps", format_quantity(step, Dimension::time), s.settings.duration / step);
   };
   const std::string margin = s.balls_alone
@@ -451,10 +453,12 @@ void MarginRule::check_derived(double derived) const {
                                  : fmt::format("the margin derived from {} is {}, {:.0f} % of the smallest body; {} {:.0f} %", from,
                                                metres(derived), 100 * derived / smallest_, cure, 100 * kNoticeShare);
   if (derived > kLargestShare * smallest_) {
+    double steepest = 1;
+    for (const CasePair& p : case_.pairs) steepest = std::max(steepest, steepening(p.pair));
     throw UsageError("{}: contact.margin: {}; raise it, or give contact.margin{}\n{}", case_.path, advice,
                      from_touch_ ? " (0: run it as it is)" : "",
                      choices({case_.settings, from_touch_ ? depth_ / (2 * kOverlapShare) : derived, smallest_, lightest_, softest_,
-                              report_.fastest_impact, by_modulus, from_touch_}));
+                              report_.fastest_impact, by_modulus, from_touch_, steepest}));
   }
   if (derived > kNoticeShare * smallest_) report_.notices.push_back(advice);
 }

@@ -101,8 +101,15 @@ bool can_lose_by_damping(const Scene& scene, const MaterialPair& pair) {
 }  // namespace
 
 void make_elastic(Scene& scene) {
+  // the damping of hunt-crossley goes with a speed: that of a fall by its own size
+  double largest = 0;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+    largest =
+        std::max(largest, scene.bodies.scale[i] * scene.shapes[static_cast<std::size_t>(scene.bodies.shape[i])].equivalent_diameter());
+  const double fall = std::sqrt(2 * length(scene.settings.gravity) * largest);
   for (MaterialPair& p : scene.pairs) {
     if (!yields(p)) continue;
+    if (!can_lose_by_damping(scene, p)) p.restitution_speed = fall;
     if (can_lose_by_damping(scene, p)) p.restitution *= std::sqrt(1 - p.plasticity);
     p.plasticity = p.adhesive_ratio = 0;
   }

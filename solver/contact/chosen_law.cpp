@@ -169,7 +169,10 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
   }
 
   Law law_of_overlap(law, motion.radius);
-  if constexpr (YieldingLaw<Law>) law_of_overlap.dent = dent_of(springs);
+  if constexpr (YieldingLaw<Law>) {
+    // what started from a run, of materials that are elastic now, has no dent
+    if (law.unloading_ratio > 1) law_of_overlap.dent = dent_of(springs);
+  }
   thread_local Workspace work;
   FeatureForces& forces = work.forces;
   forces.push.assign(count, 0);

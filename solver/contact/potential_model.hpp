@@ -196,7 +196,7 @@ PushSum PotentialModel::add_potential(const PairFeatures& pair, const PairLaw& p
   if constexpr (PullingLaw<Law>) {
     result.elastic -= at.pull_energy;
     if (!(at.overlap > 0)) std::fill(forces.push_per_overlap.begin(), forces.push_per_overlap.end(), 0.0);
-    add_pull(features, {}, pair_law.reach, depth, at.pull, forces);
+    add_pull(features, {}, pair_law.reach, depth, pair.cluster_share * at.pull, forces);
   }
   if constexpr (YieldingLaw<Law>) {
     forces.dent = at.dent;

@@ -54,7 +54,9 @@ struct PlasticLaw : Base {
     if (D >= now.dent || adhesive > 0) {
       const double of_dent = now.dent > 0 ? Base::force(now.dent) : 0;
       force = ratio * (Base::force(D) - of_dent);
-      stored = std::max(0.0, ratio * (Base::energy(D) - energy_of(now.dent) - of_dent * (D - now.dent)));
+      // the difference of two energies loses its digits where the load has nearly gone: the tangent is steepest at the larger overlap
+      const double difference = ratio * (Base::energy(D) - energy_of(now.dent) - of_dent * (D - now.dent));
+      stored = std::max(force * force / (2 * ratio * Base::stiffness(std::max(D, now.dent))), difference);
     }
     now.push = std::max(0.0, force + now.pull);
     now.push_energy = stored + now.pull_energy;
@@ -83,7 +85,8 @@ inline void prepare_yielding(double plasticity, double adhesive_ratio, double ex
   law.adhesive_ratio = adhesive_ratio;
   law.least_dent = std::pow(plasticity, 1 / exponent);
   law.most_dent = std::pow(1 + adhesive_ratio * (1 - plasticity), 1 / exponent);
-  law.step_stiffness *= law.unloading_ratio;
+  // the push, which damping and friction go with, has up to 1 + k_adh / k1 times the force of the law
+  law.step_stiffness *= std::max(law.unloading_ratio, 1 + adhesive_ratio);
 }
 
 }  // namespace scree

@@ -141,7 +141,7 @@ void Plan::add_contact() {
   if (scene_.has_friction())
     in("friction springs", fmt::format("{0} bytes per contact, and {0} per pair in contact", sizeof(FrictionSpring)));
   else
-    out("friction springs", "every friction is 0: no history is kept");
+    out("friction springs", "every friction is 0: no history of sliding is kept");
   if (scene_.law_choice().rolling)
     in("rolling resistance", "one spring of moment per body pair");
   else

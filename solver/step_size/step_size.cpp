@@ -174,9 +174,10 @@ class ContactLimits {
         if (t.sized_body < 0 || !touches) return;
         Touchable named;
         named.body[0] = t.sized_body;
-        consider(2 * pair.modulus * hollow_factor(scene_.source(), pair, extremes_) / stiffness * t.sized,
+        const double steepest = 2 * pair.modulus * std::max(law.unloading_ratio, 1 + law.adhesive_ratio);  // as in step_stiffness
+        consider(steepest * hollow_factor(scene_.source(), pair, extremes_) / stiffness * t.sized,
                  body(named, 0, material) + " on " + name_of(against));
-        softest_ = std::min(softest_, 2 * pair.modulus * features * t.least_sized);
+        softest_ = std::min(softest_, steepest * features * t.least_sized);
       };
       by_size(a, pair.a, b, pair.b);
       if (&a != &b) by_size(b, pair.b, a, pair.a);

@@ -267,6 +267,112 @@ motion = {{ {motion} }}
               [f"in press.run wall 'lid' stood at position = [0, 0, {-way!r}"[:60]])
 
 
+MACHINE = """
+[time]
+duration = {duration}
+step = 2e-5
+[materials.m]
+density = 2500
+[[pairs]]
+between = ["m", "m"]
+stiffness = "20 kN/m"
+restitution = 0.3
+friction = 0.4
+[contact]
+surface = "outside"
+margin = "0.2 mm"
+{start}
+[shapes.cube]
+file = "cube.shape.h5"
+[shapes.ball]
+sphere = {{ radius = "5 mm" }}
+[[populations]]
+shape = "cube"
+material = "m"
+count = 4
+region = {{ box = [["-2 cm", "-2 cm", "-2 cm"], ["2 cm", "2 cm", "2 cm"]] }}
+[[bodies]]                      # on the shaker
+shape = "ball"
+material = "m"
+position = [0.2, 0, "5.2 mm"]
+force = [0, 1e-4, 0]
+[[bodies]]                      # below the lid
+shape = "ball"
+material = "m"
+position = [0.3, 0, "5.2 mm"]
+[[walls]]
+name = "drum"
+shape = {{ drum = {{ start = [0, "-3 cm", 0], end = [0, "3 cm", 0], radius = "4 cm", segments = 24 }} }}
+material = "m"
+motion = {{ rotate = {{ axis = [0, 1, 0], rate = "{rate} rpm" }} }}
+[[walls]]
+name = "shaker"
+shape = {{ plate = {{ corner = [0.18, "-2 cm", 0], side_a = ["4 cm", 0, 0], side_b = [0, "4 cm", 0] }} }}
+material = "m"
+motion = {{ oscillate = {{ direction = [1, 0, 0], amplitude = "1 mm", frequency = "7 Hz" }} }}
+[[walls]]
+name = "table"
+shape = {{ plate = {{ corner = [0.28, "-2 cm", 0], side_a = ["4 cm", 0, 0], side_b = [0, "4 cm", 0] }} }}
+material = "m"
+[[walls]]
+name = "lid"
+shape = {{ plate = {{ corner = [0.28, "-2 cm", "11 mm"], side_a = ["4 cm", 0, 0], side_b = [0, "4 cm", 0] }} }}
+material = "m"
+motion = {{ servo = {{ direction = [0, 0, -1], force = "1 N", max_speed = "0.02 m/s", stroke = [-0.01, "5 mm"] }} }}
+[output]
+every = 0.02
+"""
+
+
+def go_on(name, duration, of=None, rate=60, more="", expect=0, says=()):
+    start = f'[start]\nrun = "{of}.run"\ncontinue = true\n{more}' if of else ""
+    said = decompose(MACHINE.format(duration=duration, start=start, rate=rate), name, expect, says)
+    if expect == 0:
+        run(1, f"{name}.scene.h5", "-o", f"{name}.run")
+    return said
+
+
+def walls_of(path):
+    with h5py.File(path) as file:
+        return file["walls/position"][:], file["walls/orientation"][:]
+
+
+def angle(path, wall=0):
+    """About y [rad], of a wall's frame."""
+    w, _, y, _ = walls_of(path)[1][wall]
+    return 2 * numpy.arctan2(y, w)
+
+
+def a_case_goes_on_where_its_run_ended():
+    subprocess.run([os.path.join(BIN, "scree-mesher"), "generate", "cube", "--size", "0.01", "-o", "cube.shape.h5", "--name", "cube"], check=True, capture_output=True)
+    go_on("whole", 0.32)
+    go_on("first", 0.16)
+    said = go_on("second", 0.08, "first", says=["6 bodies of "])
+    assert "starts in contact" not in said and "start in contact" not in said and "is not used" not in said, said
+    go_on("third", 0.08, "second")
+    end, (positions, turned) = state_of(frames_of("third.run")[-1])[0], walls_of(frames_of("third.run")[-1])
+    whole, (positions_whole, turned_whole) = state_of(frames_of("whole.run")[-1])[0], walls_of(frames_of("whole.run")[-1])
+    assert numpy.abs(end["x"] - whole["x"]).max() < 1e-8, numpy.abs(end["x"] - whole["x"]).max(axis=1)
+    assert numpy.abs(positions - positions_whole).max() < 1e-9, positions - positions_whole
+    assert numpy.abs(turned - turned_whole).max() < 1e-9, turned - turned_whole
+    assert abs(outcome("third.run")["start"]["clock"] - 0.24) < 1e-12, outcome("third.run")["start"]
+    # at another speed: on from the same angle
+    go_on("faster", 0.04, "first", rate=90)
+    at_end, at_start, later = (angle(path) for path in (frames_of("first.run")[-1], frames_of("faster.run")[0], frames_of("faster.run")[-1]))
+    assert abs(at_end - at_start) < 1e-12 and abs(later - at_start - 2 * numpy.pi * 1.5 * 0.04) < 1e-9, (at_end, at_start, later)
+    # what stays behind
+    said = go_on("fewer", 0.02, "first", more='leave_out = { sphere = { centre = [0.3, 0, 0], radius = "2 cm" } }\n', says=["5 bodies of ", "(1 left out)"])
+    assert len(state_of(frames_of("fewer.run")[0])[0]["id"]) == 5 and outcome("fewer.run")["start"]["left_out"] == 1
+    go_on("held", 0.02, "first", more='leave_out = { inside_wall = "drum" }\n', says=["2 bodies of ", "(4 left out)"])
+    # what does not go on
+    go_on("all", 0.02, "first", more='leave_out = { box = [[-1, -1, -1], [1, 1, 1]] }\n', expect=2, says=["start.leave_out: all 6 bodies of "])
+    go_on("frame", 0.02, "first", more="frame = 1\n", expect=2, says=["continue goes on from a checkpoint"])
+    text = MACHINE.format(duration=0.02, start='[start]\nrun = "first.run"\ncontinue = true\n', rate=60)
+    decompose(text.replace('radius = "4 cm"', 'radius = "5 cm"'), "wider", 2, ["wall 'drum' has another surface than in "])
+    decompose(text.replace('name = "table"', 'name = "desk"'), "other", says=["has no wall 'desk'", "this case has no wall 'table'"])
+    decompose(text.replace("continue = true", "continue = 1"), "word", 2, ["continue"])
+
+
 def bad_input_is_refused_by_name():
     settle()
     bodies, _ = state_of(frames_of("settle.run")[-1])
@@ -324,4 +430,4 @@ def a_damaged_start_in_a_scene_is_refused():
 
 main([a_bed_at_rest_rests_on_from_its_checkpoint, without_springs_it_is_disturbed,
       what_a_case_adds_is_put_around_the_bodies_and_is_the_same_on_any_ranks, a_chain_of_starts_never_uses_an_id_again,
-      renamed_materials_and_another_wall, a_wall_that_a_servo_moved_is_where_it_stood, bad_input_is_refused_by_name, a_damaged_start_in_a_scene_is_refused])
+      renamed_materials_and_another_wall, a_wall_that_a_servo_moved_is_where_it_stood, a_case_goes_on_where_its_run_ended, bad_input_is_refused_by_name, a_damaged_start_in_a_scene_is_refused])

@@ -28,6 +28,8 @@ DIMENSIONS = {
     "populations.*.region.box": (1, 0, 0), "populations.*.region.cylinder.start": (1, 0, 0), "populations.*.region.cylinder.end": (1, 0, 0),
     "populations.*.region.cylinder.radius": (1, 0, 0), "populations.*.region.sphere.centre": (1, 0, 0),
     "populations.*.region.sphere.radius": (1, 0, 0),
+    "start.leave_out.box": (1, 0, 0), "start.leave_out.cylinder.start": (1, 0, 0), "start.leave_out.cylinder.end": (1, 0, 0),
+    "start.leave_out.cylinder.radius": (1, 0, 0), "start.leave_out.sphere.centre": (1, 0, 0), "start.leave_out.sphere.radius": (1, 0, 0),
     "inlets.*.size": (1, 0, 0), "inlets.*.size.diameter": (1, 0, 0), "inlets.*.size.mean": (1, 0, 0),
     "inlets.*.size.median": (1, 0, 0), "inlets.*.size.scale": (1, 0, 0), "inlets.*.size.min": (1, 0, 0),
     "inlets.*.size.max": (1, 0, 0), "inlets.*.region.box": (1, 0, 0), "inlets.*.region.cylinder.start": (1, 0, 0),

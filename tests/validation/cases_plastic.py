@@ -6,6 +6,7 @@ import numpy
 import closed_forms as cf
 import meshes
 from cases_heat import box_of_rocks
+from cases_start import Kept
 from registry import case_of
 from scene import Case, quaternion, rotated
 
@@ -124,3 +125,100 @@ def p4(tools, report):
         report.check(f"{name}: heat made over dissipated", made / log["dissipated"][-1], 1, 1e-12)
         report.check(f"{name}: losses of all pairs over dissipated", sum(losses[cause].sum() for cause in ("damping", "friction", "rolling")) / log["dissipated"][-1], 1, 1e-9)
         report.at_least(f"{name}: losses by damping, of it", losses["damping"].sum() / log["dissipated"][-1], .2)
+
+
+@case("P5", "U", "finely meshed balls whose contacts yield and pull, on a plane and on each other: restitution, balance", "Thakur et al. 2014, by its integrals; features that share stiffness share the pull")
+def p5(tools, report):
+    share, adhesive, k, margin, radius = .8, .3, 1e4, .02, .5
+    for level in (2, 4):
+        mesh = meshes.icosphere(level, radius)
+        mass = 1000 * meshes.mass_properties(mesh)[0]
+        contact = math.pi * math.sqrt(mass / k)
+        speed = .4 * margin * math.sqrt(k / mass)
+        low = mesh[0][:, 2].min()
+        for other in ("a plane", "a ball"):
+            apart = 2 if other == "a ball" else 1      # reduced mass, and speed of each
+            c = Case(f"P5-{level}-{other.replace(' ', '-')}", duration=4 * contact, step=contact * math.sqrt(1 - share) / 400, margin=margin, every=4 * contact)
+            c.mesh("ball", mesh)
+            c.material("m", 1000.0)
+            c.pair_all(stiffness=k, restitution=1.0, plasticity=share, adhesive_ratio=adhesive)
+            c.body("ball", "m", (0, 0, -low + 1e-9), velocity=(0, 0, -speed / apart), lock_rotation=True)
+            if other == "a ball":
+                c.body("ball", "m", (0, 0, low), velocity=(0, 0, speed / apart), lock_rotation=True)
+            else:
+                c.floor()
+            run = report.run(c.run(tools))
+            name = f"level {level} on {other}"
+            report.check(f"{name}: restitution", run.v[-1, 0, 2] * apart / speed, cf.plastic_restitution(share, adhesive, 1.0), 2e-3, "absolute")
+            total = run.energy() + run.log["dissipated"]
+            report.at_most(f"{name}: energy and dissipated, deviation over the energy at the start", abs(total - total[0]).max() / total[0], 1e-4)
+
+
+@case("P6", "U", "contacts that yield: the derived step, a stiffness that goes with size, elastic contacts after a start, a bed that is poured", "k2 / k1 = 1 / (1 - plasticity)")
+def p6(tools, report):
+    share = .99
+    for name, law, stiff in (("a stiffness", None, {"stiffness": 1e4}), ("a modulus", None, {"modulus": 1e5}), ("hertz-mindlin", "hertz-mindlin", {})):
+        steps = []
+        for plastic in ({}, {"plasticity": share}):
+            c = Case(f"P6-{name.replace(' ', '-')}", duration=1e-3, steps_per_contact=20, law=law, every=1.0, contact={"impact_speed": 1.0} if law else None)
+            c.sphere("ball", R)
+            c.material("m", DENSITY, **({"young": YOUNG, "poisson": 0.0} if law else {}))
+            c.pair_all(restitution=1.0, **stiff, **plastic)
+            c.body("ball", "m", (0, 0, 2 * R))
+            c.floor()
+            steps.append(report.run(c.run(tools)).step)
+        report.check(f"{name}: step with a plasticity of {share:g} over that without", steps[1] / steps[0], math.sqrt(1 - share), 2e-3)
+
+    # pressed by its weight as one that yields, then of a material that does not: of two pairs, so that some contacts yield
+    def heavy(name, plasticity, place):
+        c = Case(name, duration=1.0 if place else .02, gravity=(0, 0, -9.81), every=1.0 if place else .01, contacts=True)
+        c.sphere("ball", R)
+        c.material("m", DENSITY)
+        c.material("other", DENSITY)
+        c.pair("m", "m", stiffness=1e4, restitution=.2, plasticity=plasticity)
+        c.pair("m", "other", stiffness=1e4, restitution=.2, plasticity=.5)
+        c.pair_all(stiffness=1e4, restitution=.2)
+        if place:
+            c.body("ball", "m", (0, 0, R - 1e-4))
+            c.body("ball", "other", (3, 0, R - 1e-4))
+        c.floor()
+        return c
+
+    before = Kept(heavy("P6-before", .8, True), tools)
+    after = before.start(heavy("P6-after", 0.0, False))
+    run = report.run(after.run(tools))
+    report.check("elastic after a start: contacts that keep what they remember", "2 contacts keep their springs" in after.pack_text, 1, 0, "absolute")
+    contacts = run.contacts[0]
+    assert contacts["body_a"][0] == 0
+    report.check("elastic after a start from contacts that had yielded: force over overlap [N/m]", contacts["normal_force"][0] / contacts["depth"][0], 1e4, 1e-9)
+
+    # hunt-crossley without damping: what yields is all that stops a bed
+    c = Case("P6-poured", duration=.01, gravity=(0, 0, -9.81), law="hunt-crossley", every=.01)
+    c.sphere("ball", .001)
+    c.material("m", 1500.0)
+    c.pair_all(stiffness=1000.0, restitution=1.0, plasticity=.9)
+    c.population(shape="ball", material="m", count=20, method="settle", region={"box": [[-.004, -.004, 0], [.004, .004, .01]]})
+    c.wall({"box_inside": [[-.004, -.004, 0], [.004, .004, .03]]}, "m")
+    report.run(c.run(tools))
+    report.check("a poured bed: packed without a note that it is not at rest", "not at rest" in c.pack_text, 0, 0, "absolute")
+
+
+@case("P7", "U", "a bond under pressure breaks: the contact in its place begins pressed for the first time", "continuity: a contact of the energy that the bond held")
+def p7(tools, report):
+    side, margin = .01, 1e-4
+    forces = {}
+    for name, plastic in (("elastic", {}), ("yields", {"plasticity": .8}), ("yields and pulls", {"plasticity": .8, "adhesive_ratio": .5})):
+        c = Case(f"P7-{name.replace(' ', '-')}", duration=4e-5, step=1e-7, margin=margin, every=4e-7, contacts=True, contact={"surface": "outside"})
+        c.mesh("cube", meshes.box((side - 2 * margin, side, side)))
+        c.material("m", 2500.0)
+        c.pair_all(stiffness=1e8, restitution=1.0, **plastic)
+        c.bond(between=["m", "m"], distance=3 * margin, young=3e8, tangential_ratio=1.0, tension=1e9, cohesion=5e4, friction_angle=0)
+        c.body("cube", "m", (0, 0, 0), fixed=True)
+        c.body("cube", "m", (side, 0, 0), lock_rotation=True, velocity=(-.3, .25, 0))
+        run = report.run(c.run(tools))
+        first = next(contacts for contacts in run.contacts if len(contacts["depth"]))
+        forces[name] = first["normal_force"].sum()
+        report.at_most(f"{name}: bonds that hold in the end", run.log["bonds"][-1], 0)
+    report.at_least("elastic: force of the contact in place of the bond [N]", forces["elastic"], 10)
+    for name in ("yields", "yields and pulls"):   # the same energy, F^2 / 2 k2
+        report.check(f"{name}: force in the first frame after the break, over that of an elastic contact", forces[name] / forces["elastic"], math.sqrt(5), .02)
