@@ -60,16 +60,9 @@ def step_at(run, end):
     return float(rows[-1]["step_size"]) if rows else run.record["step_size"]
 
 
-@relation("bits", another_last_digit)
-def started_from_its_run(trial):
-    """[start]: bodies, contact forces and energies are those of the end of the run; the same bits on any ranks."""
-    run = trial.completed()
-    if any("motion" in wall or "wear" in wall or wall.get("surface", {}).keys() & {"start", "stop"} for wall in trial.case.walls):
-        raise NotApplicable("walls would stand where they began")
+def begins_as_it_ended(trial, run, case, from_frame):
+    """Packs and runs a case that starts from a run, and compares its first frame with the last of that run. Gives the scene and the run."""
     end = run.frames[-1]
-    if len(end.ids) == 0 or end.attributes["step"] != run.record["steps"]:
-        raise NotApplicable("the run ends without bodies, or between frames")
-    case, from_frame = next_case(trial)
     try:
         scene = trial.tools.pack(case)
     except Refused as reason:
@@ -102,5 +95,52 @@ def started_from_its_run(trial):
     for name in ("kinetic_translational", "kinetic_rotational", "elastic") + (() if from_frame else ("elastic_tangential",)):
         lack = abs(float(first.log[name][0]) - float(run.log[name][-1]))
         require(lack <= kForceRounding * energy, f"{name} begins at {first.log[name][0]} J and ended at {run.log[name][-1]} J")
+    return scene, first
+
+
+@relation("bits", another_last_digit)
+def started_from_its_run(trial):
+    """[start]: bodies, contact forces and energies are those of the end of the run; the same bits on any ranks."""
+    run = trial.completed()
+    if any("motion" in wall or "wear" in wall or wall.get("surface", {}).keys() & {"start", "stop"} for wall in trial.case.walls):
+        raise NotApplicable("walls would stand where they began")
+    end = run.frames[-1]
+    if len(end.ids) == 0 or end.attributes["step"] != run.record["steps"]:
+        raise NotApplicable("the run ends without bodies, or between frames")
+    case, from_frame = next_case(trial)
+    scene, first = begins_as_it_ended(trial, run, case, from_frame)
     how = trial.parallel()
     same(first, trial.solve(scene, **how), f"started from a run, {how}")
+
+
+def motions_of(wall):
+    """Words of all its motions."""
+    motion = wall.get("motion", {})
+    return {word for part in (motion if isinstance(motion, list) else [motion]) for word in part}
+
+
+def walls_of(frame):
+    return numpy.column_stack([frame.walls["position"], frame.walls["orientation"]])
+
+
+@relation("bits", another_last_digit)
+def goes_on_where_it_ended(trial):
+    """[start] with continue: bodies, walls, contact forces and energies are those of the end of the run, whatever moves; the same bits on any ranks."""
+    run, case = trial.completed(), trial.case.copy()
+    if trial.case.words.get("bonds") or case.words.get("inlets"):
+        raise NotApplicable("bonds are not taken over from a run, and inlets begin again")
+    if any("wear" in wall or motions_of(wall) & {"free", "motor"} for wall in case.walls):
+        raise NotApplicable("walls that would begin as drawn, or at rest")
+    end = run.frames[-1]
+    if len(end.ids) == 0 or end.attributes["step"] != run.record["steps"]:
+        raise NotApplicable("the run ends without bodies, or between frames")
+    case.words["start"] = {"run": run.folder, "continue": True}
+    scene, first = begins_as_it_ended(trial, run, case, False)
+    # an analytic wall that answers to force is placed where it stood, and counts its displacement from there
+    shown = [k for k, wall in enumerate(case.walls) if not motions_of(wall) & {"servo", "outer"}]
+    if shown:
+        here, there = (walls_of(frame)[shown] for frame in (first.frames[0], end))
+        lack = numpy.abs(here - there).max()
+        require(lack <= 1e3 * kRounding * max(numpy.abs(there).max(), 1), f"walls begin {lack} away from where they stood: {here.tolist()}, {there.tolist()}")
+    how = trial.parallel()
+    same(first, trial.solve(scene, **how), f"going on, {how}")
