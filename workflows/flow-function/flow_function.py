@@ -31,7 +31,8 @@ COLOURS = {"ball": "#2a6f97", "fine": "#bc6c25", "cube": "#606c38", "elastic": "
 GROUP = re.compile(r"([a-z]+)-([0-9]+)-([0-9]+)$")
 SMOOTHED = 0.005    # strain
 NO_STRENGTH = 100   # ff_c from which on a sample has no strength
-CLASSES = ((1, "not flowing"), (2, "very cohesive"), (4, "cohesive"), (10, "easy-flowing"))   # ff_c from which on (Jenike)
+# ff_c below which a powder does not flow, is very cohesive, cohesive, flows easily (Jenike)
+CLASSES = (1, 2, 4, 10)
 
 
 def read(name):
@@ -102,28 +103,30 @@ lines += ["", f"Pressing stress over that asked: {min(r['s1'] / r['asked'] for r
 figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 3.8))
 largest = max(stress for _, stress in groups)
 for (kind, stress), runs in groups.items():
-    end = min(r["strain"][-1] for r in runs)
-    strain = np.linspace(0, end, 201)
+    strain = np.linspace(max(r["strain"][0] for r in runs), min(r["strain"][-1] for r in runs), 201)
     mean = np.mean([np.interp(strain, r["strain"], r["stress"]) for r in runs], axis=0)
     left.plot(100 * strain, 1e-3 * mean, color=COLOURS[kind], linewidth=0.6 + stress / largest, label=f"{KINDS[kind]}, {stress} kPa")
     right.plot([1e-3 * r["s1"] for r in runs], [1e-3 * r["strength"] for r in runs], "o", color=COLOURS[kind], markersize=4, fillstyle="none",
                label=None if any(group == kind and other < stress for group, other in groups) else KINDS[kind])
 x = np.array([0, 1.15 * largest])
-for bound, _ in CLASSES:
+for bound in CLASSES:
     right.plot(x, x / bound, color="#888888", linewidth=0.7)
 high = 1.25e-3 * max(max(r["strength"] for r in everything), 100)
-right.set_ylim(-0.03 * high, high)
+right.set_ylim(-0.05 * high, high)
 right.set_xlim(0, x[1])
-for bound, _ in CLASSES:
-    at = min(x[1], high * bound)
-    right.annotate(f"ff_c = {bound}", (0.97 * at, 0.97 * at / bound), ha="right", va="bottom" if at == x[1] else "top", fontsize=7, color="#666666")
+for k, bound in enumerate(CLASSES):   # one below the other, where lines leave at the top
+    at = min(x[1], high * bound) * (0.97 - 0.1 * (len(CLASSES) - 1 - k))
+    leaves_right = high * bound > 0.9 * x[1]
+    right.annotate(f"ff_c = {bound}", (at, at / bound), xytext=(-6 if leaves_right else 4, 0), textcoords="offset points", ha="right" if leaves_right else "left",
+                   va="bottom" if leaves_right else "top", fontsize=7, color="#666666")
 left.set_xlabel("strain [%]")
 left.set_ylabel("stress [kPa]")
 right.set_xlabel("pressing stress [kPa]")
 right.set_ylabel("strength without the mould [kPa]")
 for axes in (left, right):
     axes.grid(alpha=0.25)
-    axes.legend(frameon=False, fontsize=7)
+    axes.legend(frameon=axes is right, fontsize=7, loc="best" if axes is left else "lower right")
+left.set_ylim(bottom=min(0, left.get_ylim()[0]))
 figure.tight_layout()
 figure.savefig(SVG, dpi=150)
 figure.savefig(PNG, dpi=150)
