@@ -115,7 +115,7 @@ high = 1.25e-3 * max(max(r["strength"] for r in everything), 100)
 right.set_ylim(-0.05 * high, high)
 right.set_xlim(0, x[1])
 for k, bound in enumerate(CLASSES):   # one below the other, where lines leave at the top
-    at = min(x[1], high * bound) * (0.97 - 0.1 * (len(CLASSES) - 1 - k))
+    at = min(x[1], high * bound) * (0.92 - 0.1 * (len(CLASSES) - 1 - k))
     leaves_right = high * bound > 0.9 * x[1]
     right.annotate(f"ff_c = {bound}", (at, at / bound), xytext=(-6 if leaves_right else 4, 0), textcoords="offset points", ha="right" if leaves_right else "left",
                    va="bottom" if leaves_right else "top", fontsize=7, color="#666666")
@@ -125,8 +125,8 @@ right.set_xlabel("pressing stress [kPa]")
 right.set_ylabel("strength without the mould [kPa]")
 for axes in (left, right):
     axes.grid(alpha=0.25)
-    axes.legend(frameon=axes is right, fontsize=7, loc="best" if axes is left else "lower right")
-left.set_ylim(bottom=min(0, left.get_ylim()[0]))
+    axes.legend(frameon=axes is right, fontsize=7, loc="upper left" if axes is left else "lower right")
+left.set_ylim(min(0, left.get_ylim()[0]), 1.4 * left.get_ylim()[1])   # room for the legend
 figure.tight_layout()
 figure.savefig(SVG, dpi=150)
 figure.savefig(PNG, dpi=150)
