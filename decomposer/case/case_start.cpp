@@ -15,8 +15,7 @@ void start_section(CaseKeys& k, Case& c) {
                 s.materials);
   k.boolean({"continue", "false",
              "`true`: this case goes on where the run ended. Its bodies and populations are those of the run and are not placed again, "
-             "walls of the "
-             "same name stand where they stood, and motions go on"},
+             "walls of the same name stand where they stood, and motions go on"},
             s.goes_on);
   k.section({"leave_out", "none", "bodies whose centres lie in this region stay behind, with what their contacts remember"},
             [&](CaseKeys& below) { region_section(below, c, s.leave_out.emplace()); });

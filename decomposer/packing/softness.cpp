@@ -101,6 +101,7 @@ bool can_lose_by_damping(const Scene& scene, const MaterialPair& pair) {
 }  // namespace
 
 void make_elastic(Scene& scene) {
+  if (std::none_of(scene.pairs.begin(), scene.pairs.end(), yields)) return;
   // the damping of hunt-crossley goes with a speed: that of a fall by its own size
   double largest = 0;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i)

@@ -2,6 +2,7 @@
 
 #include "core/base/units.hpp"
 #include "core/storage/attraction.hpp"
+#include "core/storage/plasticity.hpp"
 #include "solver/bodies/bodies_to_come.hpp"
 #include "solver/laws/restitution.hpp"
 #include "solver/scene/hollow_walls.hpp"
@@ -174,7 +175,7 @@ class ContactLimits {
         if (t.sized_body < 0 || !touches) return;
         Touchable named;
         named.body[0] = t.sized_body;
-        const double steepest = 2 * pair.modulus * std::max(law.unloading_ratio, 1 + law.adhesive_ratio);  // as in step_stiffness
+        const double steepest = 2 * pair.modulus * steepening(pair);
         consider(steepest * hollow_factor(scene_.source(), pair, extremes_) / stiffness * t.sized,
                  body(named, 0, material) + " on " + name_of(against));
         softest_ = std::min(softest_, steepest * features * t.least_sized);

@@ -60,6 +60,14 @@ def step_at(run, end):
     return float(rows[-1]["step_size"]) if rows else run.record["step_size"]
 
 
+def end_of(run):
+    """Its last frame, where that is the end of the run and has bodies."""
+    end = run.frames[-1]
+    if len(end.ids) == 0 or end.attributes["step"] != run.record["steps"]:
+        raise NotApplicable("the run ends without bodies, or between frames")
+    return end
+
+
 def begins_as_it_ended(trial, run, case, from_frame):
     """Packs and runs a case that starts from a run, and compares its first frame with the last of that run. Gives the scene and the run."""
     end = run.frames[-1]
@@ -104,9 +112,7 @@ def started_from_its_run(trial):
     run = trial.completed()
     if any("motion" in wall or "wear" in wall or wall.get("surface", {}).keys() & {"start", "stop"} for wall in trial.case.walls):
         raise NotApplicable("walls would stand where they began")
-    end = run.frames[-1]
-    if len(end.ids) == 0 or end.attributes["step"] != run.record["steps"]:
-        raise NotApplicable("the run ends without bodies, or between frames")
+    end_of(run)
     case, from_frame = next_case(trial)
     scene, first = begins_as_it_ended(trial, run, case, from_frame)
     how = trial.parallel()
@@ -131,9 +137,7 @@ def goes_on_where_it_ended(trial):
         raise NotApplicable("bonds are not taken over from a run, and inlets begin again")
     if any("wear" in wall or motions_of(wall) & {"free", "motor"} for wall in case.walls):
         raise NotApplicable("walls that would begin as drawn, or at rest")
-    end = run.frames[-1]
-    if len(end.ids) == 0 or end.attributes["step"] != run.record["steps"]:
-        raise NotApplicable("the run ends without bodies, or between frames")
+    end = end_of(run)
     case.words["start"] = {"run": run.folder, "continue": True}
     scene, first = begins_as_it_ended(trial, run, case, False)
     # an analytic wall that answers to force is placed where it stood, and counts its displacement from there
