@@ -11,7 +11,8 @@ CellOfRun checked(const Vec3& lower, const Vec3& upper, const Vec3& shear, const
     throw UsageError(
         "{}.run: the periodic cell of {} deforms, and its bodies fit into no other domain; add a table [cell], which may be empty",
         c.start->where, c.start->run);
-  if (!(shear == Vec3{}) && !(c.bodies.empty() && c.populations.empty()))
+  const bool adds = !c.start->goes_on && !(c.bodies.empty() && c.populations.empty());  // else the run has them
+  if (!(shear == Vec3{}) && adds)
     throw UsageError(
         "{}.run: the periodic cell of {} is sheared by yz {:g}, xz {:g}, xy {:g} m; bodies and populations cannot be added to it: leave "
         "them "
