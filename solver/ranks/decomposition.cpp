@@ -31,7 +31,7 @@ void Decomposition::cut_again(ParticleSet& p, PairList& pairs, bool is_first) {
 
 void Decomposition::distribute(ParticleSet& p, PairList& pairs, const StepReport& all) {
   if (!built_with::kRanks) return;  // no other rank
-  if (!balance_.is_cut_due(all)) {
+  if (!options_.cuts_again || !balance_.is_cut_due(all)) {
     migrated_ += halo_.migrate(scene_, p, pairs);
     return;
   }

@@ -34,6 +34,8 @@ struct ParallelOptions {
   HaloStrategy strategy;
   HaloSelection selection;
   CutMethod cut;
+  /// false: the first cut stays. Later cuts follow the measured work, so no test can know which bodies cross them.
+  bool cuts_again = true;
 };
 
 /// Counted since the start, of this rank.
