@@ -9,8 +9,10 @@ An input is a copy of rich.run, or of loose.run, with values, types, shapes, att
 checkpoints (whose checksum then refuses most), run.json, frames.hdf.series and tables. A tool may end with 0, 2, 3 or 5: by a signal, an
 internal error (1), a fault of the machine (4) or after 300 s (signal 14) it has failed, and so has Python with an exception that is no ScreeError. Input number n
 of a seed is always the same: a finding is repeated by COUNT = n:n; one that this does not repeat came of the runs of scree-post before it in the same process.
-Ends with 1 when something was found; the run is then kept as SCRATCH/found-N.run.
+Ends with 1 when something was found; the run is then kept as SCRATCH/found-N.run. Where HDF5 ends this process itself, the file SCRATCH/input has the number, and
+the damaged run is SCRATCH/changed.run.
 """
+import faulthandler
 import json
 import os
 import random
@@ -292,7 +294,10 @@ def main():
         file.write(PACK)
     found, ends, tools = 0, {}, Tools(binaries)
     changed = {}  # of each folder that is damaged the files that are to be restored; nothing of those that are to be copied
+    faulthandler.enable()
     for number in numbers:
+        with open("input", "w", encoding="utf-8") as file:
+            file.write(f"{number}")
         rng = random.Random(f"{seed} {number}")
         words = reader(rng)
         restarts = words is not None and "--restart" in words

@@ -404,11 +404,18 @@ every = "5 ms"
         def attribute(file):
             del file["frame"].attrs["kinetic"]
             file["frame"].attrs["kinetic"] = np.full(6000, 1.5)
+
+        def unknown_wall(file):
+            file["walls/id"][0] = -5
         data = "VTKHDF/PointData/"
         for change, use, says in (
                 (replaced(data + "shape", np.full(25, -5)), lambda f: f.bodies.shape_name, "a shape that the scene does not have"),
                 (replaced(data + "material", np.full(25, 99)), lambda f: f.bodies.mass, "a material that the scene does not have"),
-                (replaced(data + "shape", np.full(25, 0.5)), lambda f: f.bodies.volume, "a shape that the scene does not have"),
+                (replaced(data + "shape", np.full(25, 0.5)), lambda f: f.bodies.volume, "a column of integers expected"),
+                (replaced(data + "velocity", np.zeros((25, 2))), lambda f: f.bodies.velocity, r"float64 of shape \(25, 2\) found, rows of 3 numbers expected"),
+                (replaced(data + "id", np.zeros((25, 1), dtype=np.int64)), lambda f: f.bodies.scale, "a column of integers expected"),
+                (unknown_wall, lambda f: f.wall_mesh("rock"), "its walls name wall -5, which the scene does not have"),
+                (replaced("walls/position", np.zeros((0, 3))), lambda f: f.walls.position, "0 rows found, [1-9] expected"),
                 (replaced(data + "scale", np.ones(3)), lambda f: f.bodies.id.size and f.bodies.scale, "3 rows found, 25 expected"),
                 (replaced(data + "scale", np.full(25, b"x")), lambda f: f.bodies.scale, "a column of numbers expected"),
                 (attribute, lambda f: f.kinetic, "the file is damaged")):

@@ -20,6 +20,8 @@ from .regions import Cell, Periodicity, Region, region
 from .rows import Bodies, Contacts, Walls, Store
 from .scene import Scene
 
+_FACTS = ("step", "kinetic", "potential", "elastic", "dissipated")
+
 
 class Frame:
     """One frame of a run. Nothing is read before it is used.
@@ -47,7 +49,8 @@ class Frame:
     @cached_property
     def _facts(self) -> dict[str, Any]:
         with opened(self.path, "scree-frame", 1) as file:
-            return {**{k: v.item() for k, v in file["frame"].attrs.items()}, "provenance": json_of(file["provenance"])}
+            known = file["frame"].attrs  # each by its name: HDF5 1.10 ends the process when it lists the attributes of some damaged files
+            return {**{name: known[name].item() for name in _FACTS}, "provenance": json_of(file["provenance"])}
 
     @property
     def number(self) -> int:

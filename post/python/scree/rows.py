@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     import h5py
 
 _SUFFIXES = {3: "xyz", 4: "wxyz"}
+_INTEGERS = {"id", "shape", "material", "rank", "body_a", "body_b", "feature"}
+_FIRST_COLUMN = {"VTKHDF": "VTKHDF/PointData/id", "VTKHDF/PointData": "VTKHDF/PointData/id", "contacts": "contacts/body_a", "walls": "walls/id"}
+_COMPONENTS = {"quat": 4, "orientation": 4, **dict.fromkeys(
+    ("Points", "position", "velocity", "angular_velocity", "point", "normal", "tangential_force", "force", "torque"), 3)}
 Self = TypeVar("Self", bound="Rows")
 
 
@@ -79,18 +83,32 @@ class Store:
                 self._keep(name, self._checked(name, self._read(file, name)), order)
         return self._arrays[name]
 
+    def _formed(self, name: str, values: np.ndarray) -> np.ndarray:
+        """Refuses what is no column of numbers, or of other numbers than the format has."""
+        column = name.rpartition("/")[2]
+        width = _COMPONENTS.get(column)
+        if values.dtype.kind not in ("iu" if column in _INTEGERS else "iuf") or not values.ndim or values.shape[1:] != (() if width is None else (width,)):
+            raise InputError(f"{self.path}: {name}: {values.dtype} of shape {values.shape} found, "
+                             f"{f'rows of {width} numbers' if width else 'a column of integers' if column in _INTEGERS else 'a column of numbers'} expected; "
+                             "the file is damaged")
+        return values
+
     def _checked(self, name: str, values: np.ndarray) -> np.ndarray:
-        """Refuses numbers that are none, rows that are too few, and indices of what the scene does not have."""
+        """Refuses numbers that are none, rows that are too few, and ids and indices of what the scene does not have."""
+        self._formed(name, values)
         group, _, column = name.rpartition("/")
-        first = {"VTKHDF": "VTKHDF/PointData/id", "VTKHDF/PointData": "VTKHDF/PointData/id", "contacts": "contacts/body_a"}.get(group)
-        if values.dtype.kind not in "iuf" or values.ndim not in (1, 2):
-            raise InputError(f"{self.path}: {name}: {values.dtype} of {values.ndim} dimensions found, a column of numbers expected; the file is damaged")
-        if first in self._arrays and len(values) != len(self._arrays[first]):
-            raise InputError(f"{self.path}: {name}: {len(values)} rows found, {len(self._arrays[first])} expected; the file is damaged")
+        first = _FIRST_COLUMN.get(group)
+        if first is not None and name != first and len(values) != len(self.get(first)):
+            raise InputError(f"{self.path}: {name}: {len(values)} rows found, {len(self.get(first))} expected; the file is damaged")
         known = {"shape": self.scene.shapes, "material": self.scene.materials}.get(column) if group == "VTKHDF/PointData" else None
         if known is not None and len(values):
-            if values.dtype.kind not in "iu" or not 0 <= values.min() <= values.max() < len(known.in_order):
+            if not 0 <= values.min() <= values.max() < len(known.in_order):
                 raise InputError(f"{self.path}: a body has a {column} that the scene does not have; frame and scene.h5 do not belong together, or the frame is damaged")
+        if name == "walls/id":
+            missing = set(values.tolist()) - {wall.id for wall in self.scene.walls.in_order}
+            if missing:
+                raise InputError(f"{self.path}: its walls name wall {min(missing)}, which the scene does not have; "
+                                 "frame and scene.h5 do not belong together, or the frame is damaged")
         return values
 
     def _read(self, file: h5py.File, name: str) -> np.ndarray:
@@ -109,13 +127,12 @@ class Store:
         group = name.partition("/")[0]
         if group not in self._orders:
             if group == "VTKHDF":
-                keys = [self._read(file, "VTKHDF/PointData/id")]
                 names = ["VTKHDF/PointData/id"]
             elif group == "contacts":
                 names = [f"contacts/{key}" for key in ("feature", "body_b", "body_a")]
-                keys = [self._read(file, key) for key in names]
             else:
-                keys, names = [], []
+                names = []
+            keys = [self._formed(key, self._read(file, key)) for key in names]
             order = np.lexsort(keys) if keys else None
             if order is not None and np.array_equal(order, np.arange(len(order))):
                 order = None
