@@ -398,7 +398,8 @@ every = "5 ms"
         def replaced(name, value):
             def change(file):
                 del file[name]
-                file[name] = value
+                if value is not None:
+                    file[name] = value
             return change
 
         def attribute(file):
@@ -424,6 +425,18 @@ every = "5 ms"
             with self.assertRaisesRegex(scree.InputError, f"frame_000001.hdf: .*{says}"):
                 use(scree.open(folder).frames[1])
             with open(path, "wb") as file:
+                file.write(whole)
+        scene = os.path.join(folder, "scene.h5")
+        with open(scene, "rb") as file:
+            whole = file.read()
+        for name, values, says in (("bodies/fixed", np.zeros(3, dtype=np.uint8), "3 rows found, 25 expected"), ("bodies/fixed", None, "no column bodies/fixed"),
+                                   ("bodies/velocity", np.zeros(25), "rows of 3 numbers expected"),
+                                   ("shapes/shape_0000/triangles", np.full((4, 3), 10**6), "a triangle of a vertex that it does not have")):
+            with h5py.File(scene, "r+") as file:
+                replaced(name, values)(file)
+            with self.assertRaisesRegex(scree.InputError, f"scene.h5: .*{says}"):
+                scree.open_scene(scene)
+            with open(scene, "wb") as file:
                 file.write(whole)
         record = os.path.join(folder, "run.json")
         for text, says in (('{"format": "scree-run", "outcome": 5}', "outcome: 5 found, a text"), ('{"format": "scree-run", "format_version": "x"}', "format_version"),

@@ -9,12 +9,18 @@ from contextlib import contextmanager
 from typing import Any
 
 import h5py
+import numpy as np
 
 from .errors import InputError, ScreeError
 
 
 #: what reading raises where a value is missing, of another type or of another size than it must be
 DAMAGE = (OSError, KeyError, ValueError, TypeError, IndexError, AttributeError, OverflowError, RecursionError, MemoryError, RuntimeError, zlib.error)
+
+# columns of frames and scenes by their names: which hold integers, and which more than one number in a row
+_INTEGERS = {"id", "shape", "material", "rank", "body_a", "body_b", "feature", "fixed", "lock_rotation", "population", "owner"}
+_COMPONENTS = {"quat": 4, "orientation": 4, **dict.fromkeys(
+    ("Points", "position", "velocity", "angular_velocity", "point", "normal", "tangential_force", "force", "torque"), 3)}
 
 
 def text_of(value: Any) -> str:
@@ -50,3 +56,13 @@ def opened(path: str, file_format: str, newest: int) -> Iterator[h5py.File]:
         raise
     except DAMAGE as error:
         raise InputError(f"{path}: the file is damaged: {error}") from error
+
+
+def expect_column(path: str, name: str, values: np.ndarray) -> np.ndarray:
+    """The values of a column of a frame or scene. Raises InputError for what is no column of numbers, or of other numbers than the format has."""
+    column = name.rpartition("/")[2]
+    width = _COMPONENTS.get(column)
+    if values.dtype.kind not in ("iu" if column in _INTEGERS else "iuf") or not values.ndim or values.shape[1:] != (() if width is None else (width,)):
+        expected = f"rows of {width} numbers" if width else "a column of integers" if column in _INTEGERS else "a column of numbers"
+        raise InputError(f"{path}: {name}: {values.dtype} of shape {values.shape} found, {expected} expected; the file is damaged")
+    return values

@@ -10,7 +10,7 @@ import numpy as np
 from .attributes import ReadAttributes
 from .chunks import read_array
 from .errors import InputError, UnknownName, missing_package, unknown_name
-from .hdf import opened
+from .hdf import expect_column, opened
 from .meshes import rotate
 from .regions import Cell, Periodicity, Region, region
 from .scene import Scene
@@ -20,10 +20,7 @@ if TYPE_CHECKING:
     import h5py
 
 _SUFFIXES = {3: "xyz", 4: "wxyz"}
-_INTEGERS = {"id", "shape", "material", "rank", "body_a", "body_b", "feature"}
 _FIRST_COLUMN = {"VTKHDF": "VTKHDF/PointData/id", "VTKHDF/PointData": "VTKHDF/PointData/id", "contacts": "contacts/body_a", "walls": "walls/id"}
-_COMPONENTS = {"quat": 4, "orientation": 4, **dict.fromkeys(
-    ("Points", "position", "velocity", "angular_velocity", "point", "normal", "tangential_force", "force", "torque"), 3)}
 Self = TypeVar("Self", bound="Rows")
 
 
@@ -83,19 +80,9 @@ class Store:
                 self._keep(name, self._checked(name, self._read(file, name)), order)
         return self._arrays[name]
 
-    def _formed(self, name: str, values: np.ndarray) -> np.ndarray:
-        """Refuses what is no column of numbers, or of other numbers than the format has."""
-        column = name.rpartition("/")[2]
-        width = _COMPONENTS.get(column)
-        if values.dtype.kind not in ("iu" if column in _INTEGERS else "iuf") or not values.ndim or values.shape[1:] != (() if width is None else (width,)):
-            raise InputError(f"{self.path}: {name}: {values.dtype} of shape {values.shape} found, "
-                             f"{f'rows of {width} numbers' if width else 'a column of integers' if column in _INTEGERS else 'a column of numbers'} expected; "
-                             "the file is damaged")
-        return values
-
     def _checked(self, name: str, values: np.ndarray) -> np.ndarray:
         """Refuses numbers that are none, rows that are too few, and ids and indices of what the scene does not have."""
-        self._formed(name, values)
+        expect_column(self.path, name, values)
         group, _, column = name.rpartition("/")
         first = _FIRST_COLUMN.get(group)
         if first is not None and name != first and len(values) != len(self.get(first)):
@@ -132,7 +119,7 @@ class Store:
                 names = [f"contacts/{key}" for key in ("feature", "body_b", "body_a")]
             else:
                 names = []
-            keys = [self._formed(key, self._read(file, key)) for key in names]
+            keys = [expect_column(self.path, key, self._read(file, key)) for key in names]
             order = np.lexsort(keys) if keys else None
             if order is not None and np.array_equal(order, np.arange(len(order))):
                 order = None

@@ -12,12 +12,13 @@ import numpy as np
 
 from .case import Case
 from .errors import InputError, UsageError, unknown_name
-from .hdf import json_of, opened, text_of
+from .hdf import expect_column, json_of, opened, text_of
 from .meshes import Mesh, box_mesh, cylinder_mesh, icosphere
 from .regions import Periodicity
 from .tables import Table
 
 _APPARATUS_SIZE = 5.0  # as post/run/apparatus.hpp
+_START = ("id", "shape", "material", "scale", "position", "orientation", "velocity", "angular_velocity", "fixed", "population")
 _KINDS = ("solid", "surface", "sphere")
 
 Item = TypeVar("Item")
@@ -81,6 +82,8 @@ class Shape:
         self.area: float = float(group.attrs["area"])
         self.vertices: np.ndarray = group["vertices"][()].reshape(-1, 3)
         self.triangles: np.ndarray = group["triangles"][()].reshape(-1, 3)
+        if self.triangles.size and (self.triangles.dtype.kind not in "iu" or not 0 <= self.triangles.min() <= self.triangles.max() < len(self.vertices)):
+            raise InputError(f"{group.file.filename}: shape '{self.name}': a triangle of a vertex that it does not have; the file is damaged")
         self.inertia: np.ndarray = group["inertia"][()].reshape(3, 3)
         self.origin_shift: np.ndarray = group["origin_shift"][()].reshape(3)
 
@@ -209,7 +212,8 @@ class Scene:
             self.provenance: dict[str, Any] = json_of(file["provenance"])  #: who made it, from what: tool, command, case, inputs, git, time
             self.shapes: Shapes = Shapes(_shapes_in(file["shapes"]), self.path, self.provenance)  #: by name
             #: columns of the bodies at the start, as in SCENE_FORMAT.md: id, shape, material, scale, position, orientation, velocity ...
-            self.start: dict[str, np.ndarray] = {name: data[()] for name, data in file["bodies"].items()}
+            self.start: dict[str, np.ndarray] = {
+                name: expect_column(self.path, f"bodies/{name}", data[()]) for name, data in file["bodies"].items()}
             self.settings: dict[str, Any] = facts["settings"]  #: as in SCENE_FORMAT.md, SI
             known = ("name", "density", "young", "poisson", "heat_capacity", "conductivity", "real_young")
             self.materials: Named[Material] = Named("material", [Material(*(m.get(k, 0.0) for k in known)) for m in facts["materials"]])  #: by name
@@ -217,6 +221,12 @@ class Scene:
             self.pairs: list[dict[str, Any]] = [
                 {"between": tuple(self.materials.by_index(p[k]).name for k in "ab"), **{k: v for k, v in p.items() if k not in "ab"}} for p in facts["pairs"]]
             self.walls: Named[Wall] = Named("wall", [Wall(w, self.materials, self.shapes) for w in facts["walls"]])  #: by name
+            missing = [name for name in _START if name not in self.start]
+            if missing:
+                raise InputError(f"{self.path}: no column bodies/{missing[0]}; the file is damaged")
+            for column, values in self.start.items():
+                if len(values) != len(self.start["id"]):
+                    raise InputError(f"{self.path}: bodies/{column}: {len(values)} rows found, {len(self.start['id'])} expected; the file is damaged")
             for column, of in (("shape", self.shapes), ("material", self.materials)):
                 if len(self.start["id"]) and not 0 <= self.start[column].min() <= self.start[column].max() < len(of.in_order):
                     raise InputError(f"{self.path}: a body has {column} {self.start[column].max()}, but there are {len(of.in_order)} {column}s")
