@@ -56,7 +56,7 @@ def slides(frame, scene):
     c = frame.contacts
     if not c:
         return False
-    coefficients = {pair.get("friction_sliding", pair["friction"]) for pair in scene.settings["pairs"]}
+    coefficients = {pair["friction_sliding"] if pair["friction_sliding"] >= 0 else pair["friction"] for pair in scene.settings["pairs"]}
     push, along = numpy.abs(c["normal_force"]), numpy.linalg.norm(c["tangential_force"], axis=1)
     return any(((push > 0) & (numpy.abs(along - mu * push) <= 1e-9 * push)).any() for mu in coefficients)
 

@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
 """What the package reads of a run: frames, contacts, walls, tables, shapes, scene, meshes, regions, pictures."""
+import copy
+import json
 import os
 import shutil
 import sys
@@ -434,6 +436,21 @@ every = "5 ms"
                                    ("shapes/shape_0000/triangles", np.full((4, 3), 10**6), "a triangle of a vertex that it does not have")):
             with h5py.File(scene, "r+") as file:
                 replaced(name, values)(file)
+            with self.assertRaisesRegex(scree.InputError, f"scene.h5: .*{says}"):
+                scree.open_scene(scene)
+            with open(scene, "wb") as file:
+                file.write(whole)
+        with h5py.File(scene, "r") as file:
+            settings = json.loads(file["settings"][()])
+        for change, says in ((lambda f: f.update(settings=0.5), "settings: '0.5' found, a table expected"),
+                             (lambda f: f["settings"].update(gravity=[1, 2]), r"gravity: '\[1, 2\]' found, 3 numbers expected"),
+                             (lambda f: f["materials"][0].update(density="x"), "materials 0: density: 'x' found, a number expected"),
+                             (lambda f: f["walls"][0].update(kind="hole"), "walls 0: kind: 'hole' found, one of plane"),
+                             (lambda f: f["walls"].append(None), "walls [0-9]+: 'None' found, a table expected")):
+            changed = copy.deepcopy(settings)
+            change(changed)
+            with h5py.File(scene, "r+") as file:
+                replaced("settings", np.bytes_(json.dumps(changed).encode()))(file)
             with self.assertRaisesRegex(scree.InputError, f"scene.h5: .*{says}"):
                 scree.open_scene(scene)
             with open(scene, "wb") as file:

@@ -15,6 +15,7 @@ from .errors import InputError, UsageError, unknown_name
 from .hdf import expect_column, json_of, opened, text_of
 from .meshes import Mesh, box_mesh, cylinder_mesh, icosphere
 from .regions import Periodicity
+from .settings import expect_provenance, expect_settings
 from .tables import Table
 
 _APPARATUS_SIZE = 5.0  # as post/run/apparatus.hpp
@@ -209,7 +210,9 @@ class Scene:
         self.path: str = os.fspath(path)  #: file it was read from
         with opened(self.path, "scree-scene", 3) as file:
             facts = json_of(file["settings"])
+            expect_settings(facts)
             self.provenance: dict[str, Any] = json_of(file["provenance"])  #: who made it, from what: tool, command, case, inputs, git, time
+            expect_provenance(self.provenance)
             self.shapes: Shapes = Shapes(_shapes_in(file["shapes"]), self.path, self.provenance)  #: by name
             #: columns of the bodies at the start, as in SCENE_FORMAT.md: id, shape, material, scale, position, orientation, velocity ...
             self.start: dict[str, np.ndarray] = {
