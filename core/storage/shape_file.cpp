@@ -1,5 +1,6 @@
 #include "core/storage/shape_file.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -7,6 +8,7 @@
 #include "core/base/utf8.hpp"
 #include "core/base/version.hpp"
 #include "core/geometry/features.hpp"
+#include "core/storage/json_object.hpp"
 
 namespace scree {
 
@@ -25,6 +27,32 @@ void check_area(const std::string& path, const Shape& shape) {
   const double area = shape.kind == ShapeKind::sphere ? sphere_area(shape.sphere_radius) : surface_area(shape.mesh);
   if (std::isfinite(area) && std::abs(area - shape.area) <= kAreaTolerance * area) return;
   throw InputError("{}: its attribute 'area' is {:.12g} m^2, but its surface has {:.12g} m^2; the file is damaged", path, shape.area, area);
+}
+
+/// Of a sphere one vertex and a radius, of all others none: a radius that is wrong would pass for the size of the body.
+void check_radius(const std::string& path, const Shape& shape) {
+  const bool is_sphere = shape.kind == ShapeKind::sphere;
+  if (is_sphere ? !(shape.sphere_radius > 0) : shape.sphere_radius != 0)
+    throw InputError("{}: its attribute 'sphere_radius' is {:g} m, {} expected; the file is damaged", path, shape.sphere_radius,
+                     is_sphere ? "a value > 0" : "0 of a shape that is no sphere");
+  if (is_sphere && (shape.mesh.vertices.size() != 1 || !(shape.mesh.vertices[0] == Vec3{}) || !shape.mesh.triangles.empty()))
+    throw InputError("{}: a sphere of {} vertices and {} triangles, one vertex at the origin expected; the file is damaged", path,
+                     shape.mesh.vertices.size(), shape.mesh.triangles.size());
+  if (!(shape.cell_size >= 0) || !std::isfinite(shape.cell_size))
+    throw InputError("{}: its attribute 'cell_size' is {:g} m, a value >= 0 expected; the file is damaged", path, shape.cell_size);
+}
+
+/// Of a body, which turns by these numbers.
+void check_mass(const std::string& path, const MassProperties& mass) {
+  const Vec3& moments = mass.principal_moments;
+  if (!is_finite(moments) || !(std::min({moments.x, moments.y, moments.z}) > 0))
+    throw InputError("{}/principal_moments: {:g}, {:g}, {:g} m^5 found, values > 0 expected; the file is damaged", path, moments.x,
+                     moments.y, moments.z);
+  for (const Vec3& row : {mass.inertia[0], mass.inertia[1], mass.inertia[2]})
+    if (!is_finite(row)) throw InputError("{}/inertia: a value that is not a finite number; the file is damaged", path);
+  if (!(std::abs(norm(mass.body_from_principal) - 1) <= kUnitTolerance))
+    throw InputError("{}/body_from_principal: a quaternion of norm {:.9g}, 1 expected; the file is damaged", path,
+                     norm(mass.body_from_principal));
 }
 
 }  // namespace
@@ -158,7 +186,10 @@ std::vector<Shape> read_shapes(const h5::Group& group) {
     if (shape.kind != ShapeKind::surface && (!(shape.mass.volume > 0) || !std::isfinite(shape.mass.volume))) {
       throw InputError("{}: volume {:g}; a body needs a volume > 0", g.path(), shape.mass.volume);
     }
+    if (!is_finite(shape.origin_shift)) throw InputError("{}/origin_shift: not finite numbers; the file is damaged", g.path());
+    check_radius(g.path(), shape);
     check_area(g.path(), shape);
+    if (shape.kind != ShapeKind::surface) check_mass(g.path(), shape.mass);
     shapes.push_back(std::move(shape));
   }
   return shapes;

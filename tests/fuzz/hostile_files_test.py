@@ -46,7 +46,8 @@ def changed_run(change, frame=LAST):
 def attribute(place, name, value):
     def change(file):
         attributes = file[place].attrs
-        del attributes[name]
+        if name in attributes:
+            del attributes[name]
         attributes.create(name, value)
     return change
 
@@ -76,10 +77,18 @@ for name, change, says in (("text", dataset("provenance", numpy.full(200000, b"A
                            ("far", row("shapes/shape_0000/vertices", 0, 1e308), "its attribute 'area' is 0.001168 m^2"),
                            ("area", attribute("shapes/shape_0000", "area", 1.0), "its attribute 'area' is 1 m^2, but its surface has "),
                            ("volume", attribute("shapes/shape_0000", "volume", numpy.inf), "volume inf"),
+                           ("radius", attribute("shapes/shape_0000", "sphere_radius", -1.0), "'sphere_radius' is -1 m, 0 of a shape that is no sphere expected"),
+                           ("cells", attribute("shapes/shape_0000", "cell_size", numpy.inf), "'cell_size' is inf m, a value >= 0 expected"),
+                           ("turn", row("shapes/shape_0000/body_from_principal", 0, 2.0), "body_from_principal: a quaternion of norm 4, 1 expected"),
+                           ("moments", row("shapes/shape_0000/principal_moments", 0, -1.0), "principal_moments: -1, -1, -1 m^5 found, values > 0 expected"),
+                           ("inertia", row("shapes/shape_0000/inertia", 1, numpy.nan), "inertia: a value that is not a finite number"),
+                           ("shift", row("shapes/shape_0000/origin_shift", 0, numpy.nan), "origin_shift: not finite numbers"),
                            ("group", dataset("shapes", [1.0]), "cannot be opened")):
     tool("scree-mesher", "info", changed_file("rock.shape.h5", f"{name}.shape.h5", change), code=BAD_DATA, says=says)
 for name, change, says in (("settings", dataset("settings", WORDS), "6000 values, one expected"),
                            ("number", attribute("partition", "predicted_imbalance", numpy.full(MANY, 1.5)), "6000 values, one expected"),
+                           ("negative", attribute("shapes/shape_0000", "sphere_radius", -0.007), "'sphere_radius' is -0.007 m, a value > 0 expected"),
+                           ("place", row("shapes/shape_0000/vertices", 0, 1.0), "one vertex at the origin expected"),
                            ("column", dataset("bodies/shape", numpy.full(1, 0.5)), "floating-point numbers, whole numbers expected")):
     scene = changed_file("rich.scene.h5", f"{name}.scene.h5", change)
     tool("scree-decomposer", "partition", scene, "--ranks", "2", "-o", "x.scene.h5", code=BAD_DATA, says=says)
