@@ -94,7 +94,7 @@ Group Group::open_group(const std::string& name) const {
 
 std::int64_t Group::child_count() const {
   H5G_info_t info;
-  check(H5Gget_info(id(), &info), "cannot list " + path_);
+  if (H5Gget_info(id(), &info) < 0) throw InputError("{} cannot be listed: {}; the file is truncated or damaged", path_, library_error());
   return static_cast<std::int64_t>(info.nlinks);
 }
 

@@ -22,6 +22,9 @@ namespace {
 
 using nlohmann::json;
 
+// The file does not say how many there are, and post names them all; no case has so many tables.
+constexpr std::int32_t kMostPopulations = 1000000;
+
 json parse_text(const h5::Group& root, const char* name) {
   const std::string text = root.read_text(name);
   json value = json::parse(text, nullptr, false);
@@ -103,6 +106,8 @@ BodyTable read_bodies(const h5::Group& group, const Scene& scene) {
     if (b.material[i] < 0 || static_cast<std::size_t>(b.material[i]) >= scene.materials.size()) {
       throw wrong(fmt::format("material {} found, but there are {} materials", b.material[i], scene.materials.size()));
     }
+    if (b.population[i] < -1 || b.population[i] >= kMostPopulations)
+      throw wrong(fmt::format("population {} found, -1 or the number of a table [[populations]] of the case expected", b.population[i]));
     if (!(b.scale[i] > 0) || !std::isfinite(b.scale[i])) throw wrong(fmt::format("scale {:g} found, a value > 0 expected", b.scale[i]));
     if (!is_finite(b.position[i])) throw wrong("the position is not a finite number");
     if (!is_finite(b.velocity[i]) || !is_finite(b.angular_velocity[i])) throw wrong("a velocity is not a finite number");

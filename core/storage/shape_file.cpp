@@ -42,8 +42,15 @@ void check_radius(const std::string& path, const Shape& shape) {
     throw InputError("{}: its attribute 'cell_size' is {:g} m, a value >= 0 expected; the file is damaged", path, shape.cell_size);
 }
 
-/// Of a body, which turns by these numbers.
-void check_mass(const std::string& path, const MassProperties& mass) {
+/// A body holds what its surface holds, or more: a piece of a body that breaks has the mass of what was cut, its surface lies further in.
+/// It turns by its moments.
+void check_mass(const std::string& path, const Shape& shape) {
+  const MassProperties& mass = shape.mass;
+  const double held =
+      shape.kind == ShapeKind::sphere ? sphere_mass_properties(shape.sphere_radius).volume : mass_properties(shape.mesh).volume;
+  if (!(mass.volume >= held - kAreaTolerance * shape.area * shape.bounding_radius()))
+    throw InputError("{}: its attribute 'volume' is {:.12g} m^3, but its surface holds {:.12g} m^3; the file is damaged", path, mass.volume,
+                     held);
   const Vec3& moments = mass.principal_moments;
   if (!is_finite(moments) || !(std::min({moments.x, moments.y, moments.z}) > 0))
     throw InputError("{}/principal_moments: {:g}, {:g}, {:g} m^5 found, values > 0 expected; the file is damaged", path, moments.x,
@@ -189,7 +196,7 @@ std::vector<Shape> read_shapes(const h5::Group& group) {
     if (!is_finite(shape.origin_shift)) throw InputError("{}/origin_shift: not finite numbers; the file is damaged", g.path());
     check_radius(g.path(), shape);
     check_area(g.path(), shape);
-    if (shape.kind != ShapeKind::surface) check_mass(g.path(), shape.mass);
+    if (shape.kind != ShapeKind::surface) check_mass(g.path(), shape);
     shapes.push_back(std::move(shape));
   }
   return shapes;

@@ -79,6 +79,7 @@ for name, change, says in (("text", dataset("provenance", numpy.full(200000, b"A
                            ("volume", attribute("shapes/shape_0000", "volume", numpy.inf), "volume inf"),
                            ("radius", attribute("shapes/shape_0000", "sphere_radius", -1.0), "'sphere_radius' is -1 m, 0 of a shape that is no sphere expected"),
                            ("cells", attribute("shapes/shape_0000", "cell_size", numpy.inf), "'cell_size' is inf m, a value >= 0 expected"),
+                           ("tiny", attribute("shapes/shape_0000", "volume", 1e-9), "'volume' is 1e-09 m^3, but its surface holds 2.688e-06 m^3"),
                            ("turn", row("shapes/shape_0000/body_from_principal", 0, 2.0), "body_from_principal: a quaternion of norm 4, 1 expected"),
                            ("moments", row("shapes/shape_0000/principal_moments", 0, -1.0), "principal_moments: -1, -1, -1 m^5 found, values > 0 expected"),
                            ("inertia", row("shapes/shape_0000/inertia", 1, numpy.nan), "inertia: a value that is not a finite number"),
@@ -88,6 +89,7 @@ for name, change, says in (("text", dataset("provenance", numpy.full(200000, b"A
 for name, change, says in (("settings", dataset("settings", WORDS), "6000 values, one expected"),
                            ("number", attribute("partition", "predicted_imbalance", numpy.full(MANY, 1.5)), "6000 values, one expected"),
                            ("negative", attribute("shapes/shape_0000", "sphere_radius", -0.007), "'sphere_radius' is -0.007 m, a value > 0 expected"),
+                           ("origin", row("bodies/population", 0, 2**31 - 1), "population 2147483647 found, -1 or the number of a table"),
                            ("place", row("shapes/shape_0000/vertices", 0, 1.0), "one vertex at the origin expected"),
                            ("column", dataset("bodies/shape", numpy.full(1, 0.5)), "floating-point numbers, whole numbers expected")):
     scene = changed_file("rich.scene.h5", f"{name}.scene.h5", change)
