@@ -36,6 +36,9 @@ auto row_of(const char* table, std::size_t i) {
   return [table, i] { return fmt::format("row {} of its {}", i, table); };
 }
 
+/// More than any machine has; one more is still an int.
+constexpr std::int32_t kMostRanks = 100'000'000;
+
 class Checker {
  public:
   Checker(const Scene& scene, const std::string& path) : scene_(scene), path_(path) {}
@@ -50,6 +53,8 @@ class Checker {
       if (!known.contains(b.id[i])) throw InputError("{}: holds {}, which the scene does not have; {}", path_, who(), kNotOfThisScene);
       index(who, "shape", b.shape[i], scene_.shapes.size());
       index(who, "material", b.material[i], scene_.materials.size());
+      if (b.rank[i] < 0 || b.rank[i] >= kMostRanks)
+        throw wrong(who(), fmt::format("rank {}, the number of an MPI rank expected", b.rank[i]));
       if (!(b.scale[i] > 0) || !std::isfinite(b.scale[i])) throw wrong(who(), fmt::format("scale {:g}, a value > 0 expected", b.scale[i]));
       if (!is_finite(b.position[i]) || !is_finite(b.velocity[i]) || !is_finite(b.angular_velocity[i]))
         throw wrong(who(), "a position or velocity that is not a finite number");

@@ -283,7 +283,7 @@ def main():
     numbers = range(int(count.split(":")[0]), int(count.split(":")[1]) + 1) if ":" in count else range(int(count))
     known = os.path.join(HERE, "..", "sanitizers", "asan.supp")
     # where each block was allocated costs half of the time; who repeats a finding asks for it with malloc_context_size=30
-    os.environ.setdefault("ASAN_OPTIONS", f"detect_leaks=0:max_allocation_size_mb=6144:malloc_context_size=0:quarantine_size_mb=16:suppressions={known}")
+    os.environ.setdefault("ASAN_OPTIONS", f"detect_leaks=0:max_allocation_size_mb=6144:allocator_may_return_null=1:malloc_context_size=0:quarantine_size_mb=16:suppressions={known}")
     os.environ.setdefault("UBSAN_OPTIONS", "print_stacktrace=1")
     os.makedirs(scratch, exist_ok=True)
     os.chdir(scratch)

@@ -103,6 +103,7 @@ BODIES = "VTKHDF/PointData/"
 for change, says in ((row(BODIES + "material", 1, 100000000), "has material 100000000, but the scene has 2"), (row(BODIES + "material", 1, -5), "has material -5"),
                      (row(BODIES + "shape", 1, 1 << 30), "has shape 1073741824"), (row(BODIES + "id", 1, 1 << 60), "which the run does not have"),
                      (row(BODIES + "id", 1, -7), "which the scene does not have"), (row(BODIES + "scale", 1, 0), "scale 0"),
+                     (row(BODIES + "rank", 1, 2**31 - 1), "rank 2147483647, the number of an MPI rank expected"), (row(BODIES + "rank", 0, -1), "rank -1"),
                      (row(BODIES + "quat", 1, [0, 0, 0, 0]), "an orientation of norm 0"), (row("VTKHDF/Points", 1, numpy.nan), "not a finite number"),
                      (row("walls/id", 1, 12345), "wall 12345"), (row("walls/orientation", 1, numpy.nan), "an orientation of norm nan"),
                      (row("loads/triangle", 1, 1 << 20), "triangle 1048576"), (row("loads/wall", 1, 12345), "wall 12345"),
