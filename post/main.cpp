@@ -23,6 +23,7 @@ int run(int argc, char** argv) {
        {"scree-post picture boulders.run -o rocks.png --frame 20", "one picture"},
        {"scree-post film drum.run -o drum.mp4 --colour velocity --turn 90", "a film; the camera goes a quarter round (needs ffmpeg)"},
        {"scree-post statistics drum.run -o drum.statistics --from 2 --profile z:20", "means with confidence intervals, tables, charts"},
+       {"scree-post bed column.run -o bed --gap 0.01", "a packed bed for a program of fluid flow: surface, void fractions, contacts"},
        {"scree-post compare coarse.run fine.run -o comparison", "settings, statistics and trajectories side by side"},
        {"scree-post error-vs-time errors.csv -o fronts --at 1e-3", "which choice is fastest for an error of 1e-3"},
        {"scree-post contacts boulders.run -o contacts.csv", "all contacts, and their statistics"},

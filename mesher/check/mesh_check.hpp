@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/geometry/mass_properties.hpp"
+#include "core/geometry/polygons.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 
 namespace scree {
@@ -61,9 +62,6 @@ struct MeshCheck {
   double equivalent_diameter() const;  ///< of the ball of equal volume [m]; 0 when the volume is not > 0
 };
 
-/// A triangle is degenerate when its height over its longest edge is at most this part of that edge. Just
-/// above the rounding of double coordinates far from the origin; larger values would drop real slivers.
-inline constexpr double kDegenerateHeight = 1e-12;
 /// A solid's volume is at least this part of area times extent, else it is called flat.
 inline constexpr double kFlatVolume = 1e-12;
 /// Part by which rounding may break the triangle inequality of the moments, which flat bodies meet with equality.

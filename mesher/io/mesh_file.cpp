@@ -14,7 +14,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/near_file.hpp"
-#include "mesher/io/polygons.hpp"
+#include "core/geometry/polygons.hpp"
 #include "mesher/io/sandbox.hpp"
 
 namespace scree {

@@ -6,7 +6,7 @@
 #include "core/base/error.hpp"
 #include "mesher/io/byte_reader.hpp"
 #include "mesher/io/mesh_file.hpp"
-#include "mesher/io/polygons.hpp"
+#include "core/geometry/polygons.hpp"
 #include "mesher/io/text_reader.hpp"
 
 namespace scree {

@@ -56,6 +56,7 @@ std::vector<Command> add_view_commands(CLI::App& app);
 Command add_picture(CLI::App& app);
 Command add_film(CLI::App& app);
 Command add_statistics(CLI::App& app);
+Command add_bed(CLI::App& app);
 /// Numbers: statistics, compare, error-vs-time, bodies, contacts, scaling.
 std::vector<Command> add_number_commands(CLI::App& app);
 

@@ -163,8 +163,8 @@ Command add_error_vs_time(CLI::App& app) {
 }  // namespace
 
 std::vector<Command> add_number_commands(CLI::App& app) {
-  return {add_statistics(app), add_compare(app),   add_error_vs_time(app), add_bodies(app),
-          add_contacts(app),   add_fragments(app), add_scaling(app)};
+  return {add_statistics(app), add_bed(app),      add_compare(app),   add_error_vs_time(app),
+          add_bodies(app),     add_contacts(app), add_fragments(app), add_scaling(app)};
 }
 
 }  // namespace scree

@@ -1,14 +1,12 @@
 #include "post/run/drawn_meshes.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numbers>
 
 namespace scree {
 
-namespace {
-
-/// Unit sphere of 20 * 4^level triangles.
 TriangleMesh icosphere(int level) {
   const double g = std::numbers::phi;
   TriangleMesh mesh;
@@ -36,27 +34,35 @@ TriangleMesh icosphere(int level) {
   return mesh;
 }
 
+namespace {
+
 void any_perpendicular(const Vec3& axis, Vec3& u, Vec3& v) {
   const Vec3 helper = std::abs(axis.z) < 0.9 ? Vec3{0, 0, 1} : Vec3{1, 0, 0};
   u = normalised(cross(helper, axis));
   v = cross(axis, u);
 }
 
+/// Sides of a regular polygon in a circle that come within `deviation` of it; those of a picture for 0.
+int sides_of_circle(double radius, double deviation) {
+  constexpr double kSides = 64, kMostSides = 4096;
+  if (!(deviation > 0)) return static_cast<int>(kSides);
+  return static_cast<int>(std::clamp(std::ceil(std::numbers::pi / std::acos(1 - std::min(deviation / radius, 1.0))), kSides, kMostSides));
+}
+
 /// Tube with lids, seen from inside.
-TriangleMesh inner_cylinder(const Vec3& start, const Vec3& end, double radius) {
-  constexpr int kSides = 64;
+TriangleMesh inner_cylinder(const Vec3& start, const Vec3& end, double radius, int sides) {
   Vec3 u, v;
   any_perpendicular(normalised(end - start), u, v);
   TriangleMesh mesh;
   mesh.vertices = {start, end};
-  for (int i = 0; i < kSides; ++i) {
-    const double angle = 2 * std::numbers::pi * i / kSides;
+  for (int i = 0; i < sides; ++i) {
+    const double angle = 2 * std::numbers::pi * i / sides;
     const Vec3 r = radius * (std::cos(angle) * u + std::sin(angle) * v);
     mesh.vertices.push_back(start + r);
     mesh.vertices.push_back(end + r);
   }
-  for (int i = 0; i < kSides; ++i) {
-    const std::int32_t a = 2 + 2 * i, b = a + 1, c = 2 + 2 * ((i + 1) % kSides), d = c + 1;
+  for (int i = 0; i < sides; ++i) {
+    const std::int32_t a = 2 + 2 * i, b = a + 1, c = 2 + 2 * ((i + 1) % sides), d = c + 1;
     mesh.triangles.insert(mesh.triangles.end(), {Triangle{a, b, c}, Triangle{c, b, d}, Triangle{0, a, c}, Triangle{1, d, b}});
   }
   return mesh;
@@ -74,7 +80,7 @@ void cut_to_cell(const Wall& wall, const Domain& domain, TriangleMesh& mesh) {
   }
 }
 
-TriangleMesh whole_wall(const Wall& wall, const Scene& scene, const Box3& room, const Frame* frame);
+TriangleMesh whole_wall(const Wall& wall, const Scene& scene, const Box3& room, const Frame* frame, double deviation);
 
 }  // namespace
 
@@ -126,15 +132,24 @@ std::vector<Vec3> worn_vertices_of(const Wall& wall, const Frame& frame) {
   return vertices;
 }
 
-TriangleMesh drawn_wall(const Wall& wall, const Scene& scene, const Box3& room, const Frame* frame) {
-  TriangleMesh mesh = whole_wall(wall, scene, room, frame);
+TriangleMesh drawn_wall(const Wall& wall, const Scene& scene, const Box3& room, const Frame* frame, double deviation) {
+  TriangleMesh mesh = whole_wall(wall, scene, room, frame, deviation);
   cut_to_cell(wall, scene.settings.domain, mesh);
   return mesh;
 }
 
 namespace {
 
-TriangleMesh whole_wall(const Wall& wall, const Scene& scene, const Box3& room, const Frame* frame) {
+/// Subdivisions of an icosphere whose facets come within `deviation` of the sphere; those of a picture for 0.
+int level_of_sphere(double radius, double deviation) {
+  constexpr int kLevel = 3, kMostLevel = 7;
+  constexpr double kFirst = 0.2054;  // 1 less the inscribed radius of the icosahedron; each level divides it by four
+  int level = kLevel;
+  while (deviation > 0 && level < kMostLevel && radius * kFirst / std::pow(4.0, level) > deviation) ++level;
+  return level;
+}
+
+TriangleMesh whole_wall(const Wall& wall, const Scene& scene, const Box3& room, const Frame* frame, double deviation) {
   const Vec3 extent = room.extent();
   const double size = std::max({extent.x, extent.y, extent.z});
   switch (wall.kind) {
@@ -159,9 +174,9 @@ TriangleMesh whole_wall(const Wall& wall, const Scene& scene, const Box3& room, 
       return box;
     }
     case WallKind::cylinder_inside:
-      return inner_cylinder(wall.axis_start, wall.axis_end, wall.radius);
+      return inner_cylinder(wall.axis_start, wall.axis_end, wall.radius, sides_of_circle(wall.radius, deviation));
     case WallKind::sphere_inside: {
-      TriangleMesh ball = icosphere(3);
+      TriangleMesh ball = icosphere(level_of_sphere(wall.radius, deviation));
       for (Vec3& p : ball.vertices) p = wall.point + wall.radius * p;
       for (Triangle& t : ball.triangles) std::swap(t[1], t[2]);
       return ball;

@@ -16,6 +16,9 @@ struct DrawnMesh {
   std::vector<Vec3> normals;
 };
 
+/// Unit sphere of 20 * 4^level triangles, inscribed.
+TriangleMesh icosphere(int level);
+
 /// A shape at scale 1 in its own axes. A ball becomes 320 triangles inscribed in it.
 DrawnMesh drawn_shape(const Shape& shape);
 
@@ -27,8 +30,9 @@ TriangleMesh coarse_mesh(const TriangleMesh& mesh, std::size_t most);
 ///
 /// How: a plane is drawn as a square, and a box, which may reach far above the pile, is cut, so that walls
 /// reach `room` and not much further. Drawn only: the solver's walls are what the case says.
-/// in   frame   where given, a wall that wears is drawn as it is there; else as it was at the start
-TriangleMesh drawn_wall(const Wall& wall, const Scene& scene, const Box3& room, const Frame* frame = nullptr);
+/// in   frame     where given, a wall that wears is drawn as it is there; else as it was at the start
+/// in   deviation [m] largest distance of the facets of a round wall from it, where a picture's 64 sides are not enough; 0: a picture's
+TriangleMesh drawn_wall(const Wall& wall, const Scene& scene, const Box3& room, const Frame* frame = nullptr, double deviation = 0);
 
 /// Vertices of a wall as worn in a frame, axes and scale of its mesh; none where it does not wear.
 std::vector<Vec3> worn_vertices_of(const Wall& wall, const Frame& frame);

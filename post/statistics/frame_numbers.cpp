@@ -10,6 +10,7 @@
 #include "core/storage/wall_axis.hpp"
 #include "post/run/event_table.hpp"
 #include "post/statistics/bed.hpp"
+#include "post/statistics/contact_kinds.hpp"
 
 namespace scree {
 
@@ -24,17 +25,23 @@ constexpr std::size_t kShortestChain = 3;
 // The order here is that of the columns; numbers_of fills them in the same order.
 /// in   has_heat   of the scene: bodies have temperatures
 std::vector<Quantity> group_quantities(bool has_heat) {
-  std::vector<Quantity> q{{"particle_count", "-", "bodies that are free to move"},
-                          {"mass", "kg", "of the particles"},
-                          {"coordination_number", "-", "neighbours per particle, walls included"},
-                          {"coordination_number_without_rattlers", "-", "of particles with two neighbours or more"},
-                          {"rattler_fraction", "-", "share of particles with fewer than two neighbours"},
-                          {"contact_points_per_particle", "-", "several per neighbour for meshes"},
-                          {"mean_normal_force", "N", "per contact point"},
-                          {"max_normal_force", "N", "per contact point"},
-                          {"mean_tangential_force", "N", "per contact point"},
-                          {"tensile_fraction", "-", "share of contact points that pull"},
-                          {"mean_tensile_force", "N", "of the contact points that pull"}};
+  std::vector<Quantity> q{
+      {"particle_count", "-", "bodies that are free to move"},
+      {"mass", "kg", "of the particles"},
+      {"coordination_number", "-", "neighbours per particle, walls included"},
+      {"coordination_number_without_rattlers", "-", "of particles with two neighbours or more"},
+      {"rattler_fraction", "-", "share of particles with fewer than two neighbours"},
+      {"contact_points_per_particle", "-", "several per neighbour for meshes"},
+      {"point_contacts", "-", "contacts in a point per particle"},
+      {"edge_contacts", "-", "contacts along an edge per particle"},
+      {"face_contacts", "-", "contacts with a face per particle"},
+      {"constraints", "-", "per particle: 3, 5, 6 of contacts in a point, along an edge, with a face; shared by two particles"},
+      {"constraints_frictionless", "-", "per particle: 1, 2, 3 of these contacts, not shared"},
+      {"mean_normal_force", "N", "per contact point"},
+      {"max_normal_force", "N", "per contact point"},
+      {"mean_tangential_force", "N", "per contact point"},
+      {"tensile_fraction", "-", "share of contact points that pull"},
+      {"mean_tensile_force", "N", "of the contact points that pull"}};
   const auto tensor = [&q](const std::string& name, const std::string& unit, const std::string& meaning) {
     for (const char* ij : {"xx", "yy", "zz", "xy", "xz", "yz"}) q.push_back({name + "_" + ij, unit, meaning});
   };
@@ -378,17 +385,22 @@ std::vector<double> StatisticsPlan::numbers_of(const CountedFrame& counted) cons
   };
 
   const BedSolid bed = bed_solid(view);
+  const std::vector<BodyConstraints> constraints =
+      has_contacts ? body_constraints(view, surface_contacts(view)) : std::vector<BodyConstraints>{};
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const Group& group = groups[g];
     const double room = group.region != nullptr ? group.region->volume() : view.room_between(view.lowest, view.highest);
     const MotionMeasures motion = motion_measures(view, group);
     ContactMeasures c;
+    ConstraintMeasures k;
     if (has_contacts) {
       c = contact_measures(view, group, room);
+      k = constraint_measures(view, group, constraints);
     }
     const std::size_t begin = row.size();
     row.insert(row.end(), {motion.particles, motion.mass, c.coordination, c.coordination_without_rattlers, c.rattlers,
-                           c.points_per_particle, c.normal_force, c.largest_normal_force, c.tangential_force, c.tensile, c.tensile_force});
+                           c.points_per_particle, k.point, k.edge, k.face, k.with_friction, k.without_friction, c.normal_force,
+                           c.largest_normal_force, c.tangential_force, c.tensile, c.tensile_force});
     add_tensor(c.fabric);
     row.push_back(c.fabric_anisotropy);
     add_tensor(c.force_fabric);

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "mesher/io/polygons.hpp"
+#include "core/geometry/polygons.hpp"
 
 namespace scree {
 namespace {

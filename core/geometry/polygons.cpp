@@ -1,10 +1,8 @@
-#include "mesher/io/polygons.hpp"
+#include "core/geometry/polygons.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include "mesher/check/mesh_check.hpp"
 
 namespace scree {
 

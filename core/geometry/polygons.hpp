@@ -9,6 +9,10 @@
 
 namespace scree {
 
+/// A triangle is degenerate when its height over its longest edge is at most this part of that edge. Just
+/// above the rounding of double coordinates far from the origin; larger values would drop real slivers.
+inline constexpr double kDegenerateHeight = 1e-12;
+
 /// A mesh of polygons.
 ///
 /// vertices  V x 3
