@@ -19,7 +19,7 @@ TENSOR = ("xx", "yy", "zz", "xy", "xz", "yz")
 # those of post/statistics/frame_numbers.cpp: a test holds the two equal
 OF_BODIES = [
     "particle_count", "mass", "coordination_number", "coordination_number_without_rattlers", "rattler_fraction", "contact_points_per_particle",
-    "mean_normal_force", "max_normal_force", "mean_tangential_force", "tensile_fraction", "mean_tensile_force",
+    "point_contacts", "edge_contacts", "face_contacts", "constraints", "constraints_frictionless", "mean_normal_force", "max_normal_force", "mean_tangential_force", "tensile_fraction", "mean_tensile_force",
     *(f"fabric_{ij}" for ij in TENSOR), "fabric_anisotropy", *(f"force_fabric_{ij}" for ij in TENSOR), "force_fabric_anisotropy",
     *(f"stress_{ij}" for ij in TENSOR), "pressure", "deviatoric_stress", "cohesive_pressure", "kinetic_pressure", "solid_fraction",
     "solid_fraction_of_container", "velocity_x", "velocity_y", "velocity_z", "mean_speed", "mean_spin", "granular_temperature", "centre_of_mass_x",

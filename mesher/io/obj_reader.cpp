@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "core/base/error.hpp"
-#include "mesher/io/mesh_file.hpp"
 #include "core/geometry/polygons.hpp"
+#include "mesher/io/mesh_file.hpp"
 #include "mesher/io/text_reader.hpp"
 
 namespace scree {

@@ -7,9 +7,9 @@
 #include <string_view>
 
 #include "core/base/error.hpp"
+#include "core/geometry/polygons.hpp"
 #include "mesher/io/byte_reader.hpp"
 #include "mesher/io/mesh_file.hpp"
-#include "core/geometry/polygons.hpp"
 #include "mesher/io/text_reader.hpp"
 
 namespace scree {

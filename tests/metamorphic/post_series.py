@@ -181,6 +181,49 @@ def expected_of(counted, frame, stays, member):
     return found, scale
 
 
+def kinds_of_contacts(points, patch):
+    """The contacts of a pair, by the definition of post/README.md: (strength, place, normal) of its points; patch [m]."""
+    kinds = []
+    while points:
+        strongest = max(range(len(points)), key=lambda k: abs(points[k][0]))
+        normal = points[strongest][2]
+        mine = [p[1] for k, p in enumerate(points) if k == strongest or p[2] @ normal >= math.cos(math.radians(25.0))]
+        points = [p for k, p in enumerate(points) if k != strongest and p[2] @ normal < math.cos(math.radians(25.0))]
+        far = max(((numpy.linalg.norm(q - p), k, l) for k, p in enumerate(mine) for l, q in enumerate(mine) if l > k), default=(0.0, 0, 0))
+        width = 0.0
+        if far[0] > 0:
+            line = (mine[far[2]] - mine[far[1]]) / far[0]
+            width = max(numpy.linalg.norm(numpy.cross(p - mine[far[1]], line)) for p in mine)
+        kinds.append("face" if width > patch else "edge" if far[0] > patch else "point")
+    return kinds
+
+
+def expected_constraints(counted, frame, stays, member):
+    """Contacts by kind and constraints per particle; nothing of scenes with periodic sides, whose contact points lie in any image."""
+    if any(counted.scene.general.get("domain", {}).get("periodic", [False] * 3)):
+        return {}
+    c, particle = frame.contacts, counted.particles(frame) & stays
+    member = member & particle
+    row = {int(i): k for k, i in enumerate(frame.ids)}
+    size = counted.diameter[frame.bodies["shape"]] * frame.bodies["scale"]
+    pairs = {}
+    for i in range(len(c.get("depth", ()))):
+        pair = int(c["body_a"][i]), int(c["body_b"][i])
+        if c["normal_force"][i] != 0 and all(stays[row[k]] for k in pair if k in row):
+            pairs.setdefault(pair, []).append((c["normal_force"][i], c["point"][i], c["normal"][i]))
+    found = dict.fromkeys(("point_contacts", "edge_contacts", "face_contacts", "constraints", "constraints_frictionless"), 0.0)
+    for pair, points in pairs.items():
+        rows = [row[k] for k in pair if k in row]
+        mine = [k for k in rows if member[k]]
+        both = sum(bool(particle[k]) for k in rows) == 2
+        for kind in kinds_of_contacts(points, 0.1 * min((size[k] for k in rows if size[k] > 0), default=math.inf)):
+            found[f"{kind}_contacts"] += len(mine)
+            found["constraints"] += len(mine) * {"point": 3, "edge": 5, "face": 6}[kind] * (0.5 if both else 1)
+            found["constraints_frictionless"] += len(mine) * {"point": 1, "edge": 2, "face": 3}[kind]
+    count = int(member.sum())
+    return {name: value / count if count else math.nan for name, value in found.items()}
+
+
 def expected_of_contacts(counted, frame, stays, member, whole):
     c = frame.contacts
     particle = counted.particles(frame) & stays
@@ -214,6 +257,7 @@ def expected_of_contacts(counted, frame, stays, member, whole):
              "mean_tangential_force": numpy.mean(shear) if points else nan, "tensile_fraction": (forces < 0).mean() if points else nan,
              "mean_tensile_force": -forces[forces < 0].mean() if (forces < 0).any() else nan,
              "fabric_xx": numpy.mean([f[0, 0] for f in fabric]) if fabric else nan, "fabric_yz": numpy.mean([f[1, 2] for f in fabric]) if fabric else nan}
+    found |= expected_constraints(counted, frame, stays, member)
     size = numpy.abs(forces).max(initial=0)
     return found, {"mean_normal_force": size, "fabric_xx": 1.0, "fabric_yz": 1.0}
 
