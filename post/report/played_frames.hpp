@@ -34,7 +34,7 @@ struct PlayedFrame {
 struct PlayedRun {
   std::vector<PlayedFrame> frames;   ///< ascending in time
   std::size_t chosen = 0;            ///< of `frames`: the frame of the pictures
-  std::size_t frames_of_run = 0;     ///< that could be read
+  std::size_t frames_of_run = 0;     ///< those skipped included, those of Run::damaged not
   std::size_t bytes_of_all = 0;      ///< that all frames of the run would take, packed; an estimate from the numbers of bodies
   std::vector<std::string> skipped;  ///< messages of damaged frames that were left out
   Box3 room;                         ///< that the camera shows: of all frames

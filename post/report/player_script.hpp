@@ -74,6 +74,7 @@ function startPlayer(view, canvas) {
   function set(on) {
     if (on === playing) return;
     playing = on;
+    document.getElementById("view-panel").setAttribute("aria-live", on ? "off" : "polite");  // not every frame is read aloud
     button.textContent = on ? "\u275A\u275A pause" : "\u25B6 play";
     if (!on) return;
     due = 0;

@@ -454,7 +454,10 @@ ReportResult write_report(const Run& run, const std::string& path, const ReportO
   result.numbers = numbers_of(run, verdicts, statistics, record, files);
   const ViewSection view = view_section(run, shown, what.within, what.pool);
   (*result.numbers)["view"] = view.numbers;
-  for (const std::string& message : view.skipped) result.notes.push_back("not played: " + message);
+  for (const std::string& message : view.skipped) {  // most were named with the statistics
+    if (std::find(statistics.skipped.begin(), statistics.skipped.end(), message) == statistics.skipped.end())
+      result.notes.push_back("not played: " + message);
+  }
 
   const std::string title = run.scene.settings.title.empty() ? run.name : run.scene.settings.title;
   std::string html = fmt::format(

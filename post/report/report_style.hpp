@@ -59,8 +59,9 @@ figcaption { color: var(--soft); font-size: .88rem; margin-top: .5em; }
 .tools { display: flex; flex-wrap: wrap; gap: .5em 1.1em; align-items: center; font-size: .92rem; }
 .tools button, .tools select { font: inherit; padding: .25em .7em; border: 1px solid var(--line); border-radius: 6px; background: #fff; color: inherit; }
 .tools label, .cut-tools, .player label { white-space: nowrap; }
-.cut-tools { display: inline-flex; align-items: center; gap: .6em; } .cut-tools[hidden], .player[hidden] { display: none; }
-.cut-tools output { min-width: 7.5em; font-variant-numeric: tabular-nums; }
+.zoom { display: inline-flex; gap: .5em; }
+.cut-tools { display: inline-flex; align-items: center; gap: .6em; max-width: 100%; } .cut-tools input { flex: 1 1 4em; min-width: 4em; } .cut-tools[hidden], .player[hidden] { display: none; }
+.cut-tools output { min-width: 6.5em; font-variant-numeric: tabular-nums; }
 .player { display: flex; flex-wrap: wrap; gap: .4em 1em; align-items: center; margin: .6em 0 0; font-size: .92rem; }
 .player button, .player select { font: inherit; padding: .25em .7em; border: 1px solid var(--line); border-radius: 6px; background: #fff; color: inherit; }
 .player button { min-width: 6.2em; } .player input { flex: 1 1 12em; min-width: 9em; } .player output { min-width: 13em; font-variant-numeric: tabular-nums; }

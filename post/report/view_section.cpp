@@ -39,25 +39,27 @@ std::string data_element(const char* id, const std::string& json) {
 std::string megabytes(std::size_t bytes) { return fmt::format("{:.3g} MB", 1e-6 * static_cast<double>(bytes)); }
 
 /// Which frames the page plays, in words.
-std::string words_of_frames(const PlayedRun& played) {
-  const std::size_t count = played.frames.size();
-  if (count == played.frames_of_run) return fmt::format("All {} frames are played.", count);
+std::string words_of_frames(const PlayedRun& played, std::size_t damaged) {
+  const std::size_t count = played.frames.size(), all = played.frames_of_run + damaged, left_out = played.skipped.size() + damaged;
+  const std::string without = left_out == 0   ? ""
+                              : left_out == 1 ? " 1 damaged frame is left out."
+                                              : fmt::format(" {} damaged frames are left out.", left_out);
+  if (count == all) return fmt::format("All {} frames are played.", count);
+  if (count == 0 && left_out + 1 >= all) return "No other frame of the run can be read." + without;
   if (count == 0) {
     return fmt::format(
-        "The {} frames are not played: the first, the last and the frame of the pictures alone are more than the {} that a page holds of "
-        "bodies that move; all frames would be {}. scree-post film makes a film of them.",
-        played.frames_of_run, megabytes(kPlayerLimit), megabytes(played.bytes_of_all));
+               "The {} frames are not played: the first, the last and the frame of the pictures alone exceed the {} that a page holds of "
+               "bodies that move; all frames would be {}. scree-post film makes a film of them.",
+               all, megabytes(kPlayerLimit), megabytes(played.bytes_of_all)) +
+           without;
   }
+  if (count + left_out == all) return fmt::format("{} of {} frames are played.", count, all) + without;
   return fmt::format(
-      "{} of {} frames are played, spread evenly, with the first, the last and the frame of the pictures: all frames would be {}, and a "
-      "page "
-      "holds {} of bodies that move.",
-      count, played.frames_of_run, megabytes(played.bytes_of_all), megabytes(kPlayerLimit));
-}
-
-std::string words_of_skipped(const PlayedRun& played) {
-  if (played.skipped.empty()) return "";
-  return fmt::format(" {} damaged {} left out.", played.skipped.size(), played.skipped.size() == 1 ? "frame is" : "frames are");
+             "{} of {} frames are played, spread evenly, with the first, the last and the frame of the pictures: all frames would be {}, "
+             "and "
+             "a page holds {} of bodies that move.",
+             count, all, megabytes(played.bytes_of_all), megabytes(kPlayerLimit)) +
+         without;
 }
 
 std::string words_of_error(const PlayerError& error) {
@@ -103,10 +105,11 @@ std::string tools(const Run& run, const Frame& frame, bool plays) {
       "side</button></span>";
   html += fmt::format("<label><input type=\"checkbox\" name=\"contacts\"{}/> contact forces{}</label>",
                       frame.contacts.size() > 0 ? "" : " disabled",
-                      plays && frame.contacts.size() > 0 ? fmt::format(" (of frame {})", frame.number) : "");
+                      plays && frame.contacts.size() > 0 ? fmt::format(" (frame {})", frame.number) : "");
   return html +
-         "<button name=\"nearer\" type=\"button\">nearer</button><button name=\"further\" type=\"button\">further</button>"
-         "<button name=\"reset\" type=\"button\">reset</button></div>\n";
+         "<span class=\"zoom\"><button name=\"nearer\" type=\"button\">nearer</button><button name=\"further\" "
+         "type=\"button\">further</button>"
+         "<button name=\"reset\" type=\"button\">reset</button></span></div>\n";
 }
 
 }  // namespace
@@ -135,8 +138,8 @@ ViewSection view_section(const Run& run, std::size_t index, const std::string& w
     data = player_data(run.scene, played, view_of(played.room, run.scene.settings.gravity).centre);
     html += data_element("player-data", json_text(data.json));
   }
-  if (run.frames.size() > 1)
-    html += "<p class=\"note\">" + words_of_frames(played) + words_of_skipped(played) + words_of_error(data.error) + "</p>\n";
+  if (run.frames.size() + run.damaged.size() > 1)
+    html += "<p class=\"note\">" + words_of_frames(played, run.damaged.size()) + words_of_error(data.error) + "</p>\n";
   section.numbers = numbers_of(played, data);
   html += std::string("<script>") + kViewShaders + kViewScript + (plays ? kPlayerScript : kViewStart) + "</script>\n";
   return section;

@@ -245,7 +245,7 @@ function startView(canvas, panel, data, source) {
     gl.cullFace(gl.BACK);
     for (const w of walls) {
       gl.bindVertexArray(w.array);
-      gl.vertexAttrib3fv(1, w.place); gl.vertexAttrib4fv(2, w.turn); gl.vertexAttrib1f(3, 1); gl.vertexAttrib3f(4, 0.60, 0.66, 0.73); gl.vertexAttrib1f(5, -1);
+      gl.vertexAttrib3fv(1, w.place); gl.vertexAttrib4fv(2, w.turn); gl.vertexAttrib1f(3, 1); gl.vertexAttrib3f(4, 0.72, 0.77, 0.83); gl.vertexAttrib1f(5, -1);
       if (w.oneSided && alpha === 1) gl.enable(gl.CULL_FACE);
       gl.drawElements(gl.TRIANGLES, w.count, gl.UNSIGNED_INT, 0);
       gl.disable(gl.CULL_FACE);
@@ -303,16 +303,17 @@ function startView(canvas, panel, data, source) {
   }
   const show = x => String(Number(Number(x).toPrecision(4)));
   const metres = (values, i) => [0, 1, 2].map(c => show(values[3 * i + c])).join(", ");
+  const say = text => { if (panel.textContent !== text) panel.textContent = text; };
   function choose(row) {
     state.chosen = row;
-    if (row < 0) panel.textContent = "Pick a body to read about it.";
-    else if (!now.present[row]) panel.textContent = "Body " + id[row] + ": " + data.shapes[shape[row]].name + ", not there at t = " + show(source.frames[state.frame][1]) + " s.";
+    if (row < 0) say("Pick a body to read about it.");
+    else if (!now.present[row]) say("Body " + id[row] + ": " + data.shapes[shape[row]].name + ", not there at t = " + show(source.frames[state.frame][1]) + " s.");
     else {
       const x = [0, 1, 2].map(c => show(now.place[3 * row + c] + data.centre[c])).join(", ");
-      panel.textContent = "Body " + id[row] + ": " + data.shapes[shape[row]].name + " of " + data.materials[material[row]] + ", equivalent diameter " +
+      say("Body " + id[row] + ": " + data.shapes[shape[row]].name + " of " + data.materials[material[row]] + ", equivalent diameter " +
         show(source.scale[row] * data.shapes[shape[row]].diameter) + " m, at (" + x + ") m, velocity (" + metres(now.velocity, row) + ") m/s, speed " +
         show(speedOf(row)) + " m/s" + (now.temperature ? ", temperature " + show(now.temperature[row]) + " K" : "") +
-        (source.contacts ? ", contacts: " + now.touching[row] : "");
+        (source.contacts ? ", contacts: " + now.touching[row] : ""));
     }
     redraw();
   }
@@ -360,8 +361,9 @@ function startView(canvas, panel, data, source) {
   const cutTools = tools.querySelector(".cut-tools"), cutAt = tool("cut-at");
   function moveCut() {
     const [low, high] = [data.room[0][state.cut], data.room[1][state.cut]];
+    const digits = Math.min(Math.max(3 - Math.floor(Math.log10(high - low)), 0), 20);  // a step of the slider, not the rounding of its middle
     state.cutAt = low + (high - low) * cutAt.value / cutAt.max;
-    tools.querySelector("output.cut").textContent = "xyz"[state.cut] + " = " + show(state.cutAt) + " m";
+    tools.querySelector("output.cut").textContent = "xyz"[state.cut] + " = " + (Number(state.cutAt.toFixed(digits)) + 0) + " m";
     redraw();
   }
   tool("cut").addEventListener("change", e => {
