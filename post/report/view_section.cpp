@@ -8,7 +8,6 @@
 #include "core/base/utf8.hpp"
 #include "post/report/html.hpp"
 #include "post/report/played_frames.hpp"
-#include "post/report/player_code.hpp"
 #include "post/report/player_data.hpp"
 #include "post/report/player_script.hpp"
 #include "post/vtk/view_data.hpp"
@@ -39,34 +38,33 @@ std::string data_element(const char* id, const std::string& json) {
 std::string megabytes(std::size_t bytes) { return fmt::format("{:.3g} MB", 1e-6 * static_cast<double>(bytes)); }
 
 /// Which frames the page plays, in words.
-std::string words_of_frames(const PlayedRun& played, std::size_t damaged) {
+std::string words_of_frames(const PlayedRun& played, std::size_t damaged, std::size_t limit) {
   const std::size_t count = played.frames.size(), all = played.frames_of_run + damaged, left_out = played.skipped.size() + damaged;
   const std::string without = left_out == 0   ? ""
                               : left_out == 1 ? " 1 damaged frame is left out."
                                               : fmt::format(" {} damaged frames are left out.", left_out);
   if (count == all) return fmt::format("All {} frames are played.", count);
   if (count == 0 && left_out + 1 >= all) return "No other frame of the run can be read." + without;
+  const std::string size = fmt::format("all frames would take {}, and a page holds at most {} of positions and orientations",
+                                       megabytes(played.bytes_of_all), megabytes(limit));
   if (count == 0) {
     return fmt::format(
-               "The {} frames are not played: the first, the last and the frame of the pictures alone exceed the {} that a page holds of "
-               "bodies that move; all frames would be {}. scree-post film makes a film of them.",
-               all, megabytes(kPlayerLimit), megabytes(played.bytes_of_all)) +
+               "The {} frames are not played: {}, which the first, the last and the frame of the pictures alone exceed. scree-post film "
+               "makes a film of them.",
+               all, size) +
            without;
   }
   if (count + left_out == all) return fmt::format("{} of {} frames are played.", count, all) + without;
-  return fmt::format(
-             "{} of {} frames are played, spread evenly, with the first, the last and the frame of the pictures: all frames would be {}, "
-             "and "
-             "a page holds {} of bodies that move.",
-             count, all, megabytes(played.bytes_of_all), megabytes(kPlayerLimit)) +
+  return fmt::format("{} of {} frames are played, spread evenly, with the first, the last and the frame of the pictures: {}.", count, all,
+                     size) +
          without;
 }
 
 std::string words_of_error(const PlayerError& error) {
   if (!(error.smallest_diameter > 0)) return "";
   return fmt::format(
-      " Places and orientations are rounded: the largest error of the place of a body is {:.2g} m, {:.2g} of the diameter of the smallest "
-      "body, and that of its orientation {:.2g} degrees.",
+      " Positions and orientations are rounded: the largest error of a position is {:.2g} m, {:.2g} of the diameter of the smallest body, "
+      "and that of an orientation {:.2g} degrees.",
       error.distance, error.distance / error.smallest_diameter, error.angle * 180 / std::numbers::pi);
 }
 
@@ -114,10 +112,10 @@ std::string tools(const Run& run, const Frame& frame, bool plays) {
 
 }  // namespace
 
-ViewSection view_section(const Run& run, std::size_t index, const std::string& within, const FramePool& pool) {
+ViewSection view_section(const Run& run, std::size_t index, const std::string& within, const FramePool& pool, std::size_t limit) {
   const Within inside = Within::named(run, within);
   const Frame frame = load_frame(run, index);
-  const PlayedRun played = read_played_frames(run, index, inside, pool, kPlayerLimit);
+  const PlayedRun played = read_played_frames(run, index, inside, pool, limit);
   const bool plays = !played.frames.empty();
   const ViewExtent extent = plays ? ViewExtent{played.room, played.most} : ViewExtent{};
   ViewSection section;
@@ -139,7 +137,7 @@ ViewSection view_section(const Run& run, std::size_t index, const std::string& w
     html += data_element("player-data", json_text(data.json));
   }
   if (run.frames.size() + run.damaged.size() > 1)
-    html += "<p class=\"note\">" + words_of_frames(played, run.damaged.size()) + words_of_error(data.error) + "</p>\n";
+    html += "<p class=\"note\">" + words_of_frames(played, run.damaged.size(), limit) + words_of_error(data.error) + "</p>\n";
   section.numbers = numbers_of(played, data);
   html += std::string("<script>") + kViewShaders + kViewScript + (plays ? kPlayerScript : kViewStart) + "</script>\n";
   return section;

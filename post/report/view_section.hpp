@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/json_record.hpp"
+#include "post/report/player_code.hpp"
 #include "post/run/frame_pool.hpp"
 #include "post/run/run_folder.hpp"
 
@@ -18,7 +19,9 @@ struct ViewSection {
 
 /// in   frame    index of the frame of the pictures, which the view shows first
 /// in   within   see Within::named
+/// in   limit    bytes of the frames that are played, packed
 /// Fails: InputError (a damaged frame, named), unless the pool leaves such frames out.   Cost: every played frame is read once.
-ViewSection view_section(const Run& run, std::size_t frame, const std::string& within, const FramePool& pool);
+ViewSection view_section(const Run& run, std::size_t frame, const std::string& within, const FramePool& pool,
+                         std::size_t limit = kPlayerLimit);
 
 }  // namespace scree

@@ -206,7 +206,7 @@ function startView(canvas, panel, data, source) {
       const ofMaterial = state.colour === "material", used = new Set(ofMaterial ? material : shape);
       (ofMaterial ? data.materials : data.shapes.map(s => s.name)).forEach((n, k) => { if (used.has(k)) entry(css(data.colours[k % data.colours.length]), n); });
     }
-    if (showsForces()) entry(bar, "normal force up to " + strongest.toPrecision(3) + " N").className = "scale";
+    if (showsForces()) entry(bar, "normal force up to " + show(strongest) + " N").className = "scale";
     if (data.shapes.some((s, k) => s.coarse && shape.includes(k))) entry("transparent", "shapes are drawn coarser than they are");
     if (state.walls !== "hidden" && data.walls.some(w => w.coarse)) entry("transparent", "walls are drawn coarser than they are");
   }

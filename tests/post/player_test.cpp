@@ -289,6 +289,20 @@ TEST(Player, a_run_of_one_frame_has_no_controls_for_playing) {
     EXPECT_EQ(count_of(plays.html, part), 1U) << part;
 }
 
+TEST(Player, what_is_not_played_is_said) {
+  const scree::Run run = open_run(test::write_sample_run(folder("thinned"), 12, 9));
+  const std::size_t frame = packed_size(run.scene, 12, 12, 1);
+  const ViewSection some = view_section(run, 2, "", {1, false}, 4 * frame);
+  EXPECT_NE(some.html.find("4 of 9 frames are played, spread evenly"), std::string::npos);
+  EXPECT_EQ((*some.numbers)["frames"], 4);
+  EXPECT_EQ((*some.numbers)["frames_of_run"], 9);
+  EXPECT_LE((*some.numbers)["bytes"].get<std::size_t>(), 4 * frame);
+  const ViewSection none = view_section(run, 2, "", {1, false}, 3 * frame - 1);
+  EXPECT_NE(none.html.find("The 9 frames are not played"), std::string::npos);
+  EXPECT_EQ(count_of(none.html, "class=\"player\""), 0U);
+  EXPECT_EQ(count_of(view_section(run, 2, "", {1, false}).html, "All 9 frames are played."), 1U);
+}
+
 TEST(Player, damaged_frames_are_left_out_and_counted) {
   const scree::Run run = open_run(test::write_sample_run(folder("damaged"), 12, 5));
   std::filesystem::resize_file(run.frames[2].path, std::filesystem::file_size(run.frames[2].path) / 2);
