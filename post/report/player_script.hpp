@@ -99,7 +99,7 @@ function startPlayer(view, canvas) {
 }
 {
   const data = dataOf("view-data"), canvas = document.getElementById("view-canvas");
-  window.screeView = startView(canvas, document.getElementById("view-panel"), data, allFrames(data, dataOf("player-data")));
+  window.screeView = startView(canvas, document.getElementById("view-panel"), data, allFrames(data, data.player));
   if (window.screeView) startPlayer(window.screeView, canvas); else document.querySelector(".player").hidden = true;
 }
 )JS";

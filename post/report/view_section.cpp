@@ -31,10 +31,6 @@ std::string inside_script(const std::string& json) {
   return text;
 }
 
-std::string data_element(const char* id, const std::string& json) {
-  return fmt::format("<script type=\"application/json\" id=\"{}\">", id) + inside_script(json) + "</script>\n";
-}
-
 std::string megabytes(std::size_t bytes) { return fmt::format("{:.3g} MB", 1e-6 * static_cast<double>(bytes)); }
 
 /// Which frames the page plays, in words.
@@ -130,12 +126,13 @@ ViewSection view_section(const Run& run, std::size_t index, const std::string& w
       "zoom\"></canvas>\n";
   if (plays) html += player_bar(played);
   html += tools(run, frame, plays) + "<p id=\"view-panel\" class=\"panel\" aria-live=\"polite\">Pick a body to read about it.</p></div>\n";
-  html += data_element("view-data", view_data(run, frame, inside, extent));
+  JsonRecord drawn = view_data(run, frame, inside, extent);
   PlayerData data;
   if (plays) {
     data = player_data(run.scene, played, view_of(played.room, run.scene.settings.gravity).centre);
-    html += data_element("player-data", json_text(data.json));
+    (*drawn)["player"] = std::move(*data.json);
   }
+  html += "<script type=\"application/json\" id=\"view-data\">" + inside_script(json_text(drawn)) + "</script>\n";
   if (run.frames.size() + run.damaged.size() > 1)
     html += "<p class=\"note\">" + words_of_frames(played, run.damaged.size(), limit) + words_of_error(data.error) + "</p>\n";
   section.numbers = numbers_of(played, data);

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <unordered_map>
 
-#include "core/base/utf8.hpp"
 #include "post/run/contact_network.hpp"
 #include "post/run/drawn_meshes.hpp"
 
@@ -87,7 +86,7 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
-std::string view_data(const Run& run, const Frame& given, const Within& within, const ViewExtent& extent) {
+JsonRecord view_data(const Run& run, const Frame& given, const Within& within, const ViewExtent& extent) {
   const Scene& scene = run.scene;
   // what has left the equipment is shown, but the camera does not follow it
   const Frame inside = within.part_of(run, given);
@@ -174,7 +173,7 @@ std::string view_data(const Run& run, const Frame& given, const Within& within, 
   data["lines"] = array(lines);
   data["forces"] = array(forces);
   data["contacts"] = network.size();
-  return json_text(data);
+  return data;
 }
 
 }  // namespace scree

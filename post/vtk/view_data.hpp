@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "core/base/json_record.hpp"
 #include "post/run/within.hpp"
 
 namespace scree {
@@ -20,7 +21,7 @@ struct ViewExtent {
 /// How: positions are float32 relative to the middle, so that a scene far from the origin keeps its digits. Shapes are drawn
 /// coarser (vertices merged on a grid) when all bodies together have more than two million triangles.
 /// Size: 46 bytes a body and 28 a contact line, times 4/3; 10^5 bodies make 6 MB.
-std::string view_data(const Run& run, const Frame& frame, const Within& within, const ViewExtent& extent = {});
+JsonRecord view_data(const Run& run, const Frame& frame, const Within& within, const ViewExtent& extent = {});
 
 /// Bytes as base64.
 std::string base64(const std::string& bytes);

@@ -425,7 +425,7 @@ function startView(canvas, panel, data, source) {
     state, cameraFrom: () => camera.from, distance: () => camera.distance
   };
 }
-const dataOf = name => { const e = document.getElementById(name); return e ? JSON.parse(e.textContent) : null; };
+const dataOf = name => JSON.parse(document.getElementById(name).textContent);
 )JS";
 
 inline constexpr const char* kViewStart = R"JS(

@@ -280,12 +280,12 @@ TEST(Player, view_of_200_bodies_in_100_frames_is_below_2_MB) {
 TEST(Player, a_run_of_one_frame_has_no_controls_for_playing) {
   const scree::Run one = open_run(test::write_sample_run(folder("one"), 12, 1));
   const ViewSection view = view_section(one, 0, "", {1, false});
-  for (const char* part : {"player-data", "class=\"player\"", "allFrames", "class=\"note\"", "name=\"play\""})
+  for (const char* part : {"\"player\":", "class=\"player\"", "allFrames", "class=\"note\"", "name=\"play\""})
     EXPECT_EQ(count_of(view.html, part), 0U) << part;
   EXPECT_EQ(count_of(view.html, "name=\"cut\""), 1U);
   const scree::Run three = open_run(test::write_sample_run(folder("three"), 12, 3));
   const ViewSection plays = view_section(three, 1, "", {1, false});
-  for (const char* part : {"id=\"player-data\"", "class=\"player\"", "class=\"note\"", "name=\"play\""})
+  for (const char* part : {"\"player\":", "class=\"player\"", "class=\"note\"", "name=\"play\""})
     EXPECT_EQ(count_of(plays.html, part), 1U) << part;
 }
 

@@ -298,7 +298,7 @@ try:
     choose(browser, "frame", 0)
     assert browser.value("window.screeView.covered()") == 0, "a body is drawn before it is there"
     load(browser, os.path.join(beside, "one.html"))
-    assert browser.value("document.querySelector('.player') === null && document.getElementById('player-data') === null"), "one frame does not play"
+    assert browser.value("document.querySelector('.player') === null && dataOf('view-data').player === undefined"), "one frame does not play"
     assert browser.value("window.screeView.covered()") > 0.02 and browser.value("window.screeView.visible()")
 
     pages = len(re.findall(rb"/Type\s*/Page\b", pdf))
