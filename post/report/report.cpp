@@ -24,14 +24,13 @@
 #include "post/report/html.hpp"
 #include "post/report/report_style.hpp"
 #include "post/report/verdicts.hpp"
+#include "post/report/view_section.hpp"
 #include "post/run/choice.hpp"
 #include "post/run/impacts.hpp"
 #include "post/run/provenance_chain.hpp"
 #include "post/run/wall_loads.hpp"
 #include "post/statistics/contact_statistics.hpp"
 #include "post/statistics/statistics.hpp"
-#include "post/vtk/view_data.hpp"
-#include "post/vtk/view_script.hpp"
 #include "post/vtk/vtk_or_not.hpp"
 
 namespace scree {
@@ -100,43 +99,6 @@ std::string picture_section(const Run& run, std::size_t frame, const std::string
   }
   if (!unseen.empty()) html += "<p>" + escaped(unseen) + ".</p>\n";
   return html;
-}
-
-/// JSON that stands in a script element. "</script" would end the element, and "<!--<script" would keep its own end from being
-/// seen; in JSON a '<' stands only within strings, where \u003c is the same.
-std::string inside_script(const std::string& json) {
-  std::string text;
-  text.reserve(json.size());
-  for (const char c : json) {
-    if (c == '<')
-      text += "\\u003c";
-    else
-      text += c;
-  }
-  return text;
-}
-
-std::string view_section(const Run& run, std::size_t index, const std::string& within) {
-  const Frame frame = load_frame(run, index);
-  std::string html = fmt::format(
-      "<p>Frame {} at t = {:.4g} s. Drag to turn, two fingers or Shift and drag to move, the buttons or Ctrl and the wheel to zoom, "
-      "click a body to read about it.</p>\n",
-      frame.number, frame.time);
-  html +=
-      "<div class=\"view\"><canvas id=\"view-canvas\" tabindex=\"0\" aria-label=\"3D view of the bodies; arrow keys turn, plus and minus "
-      "zoom\"></canvas>\n"
-      "<div class=\"legend\"></div>\n<div class=\"tools\"><label>colour <select name=\"colour\"><option "
-      "value=\"shape\">shape</option><option value=\"material\">material"
-      "</option><option value=\"speed\">speed</option></select></label>";
-  html += fmt::format("<label><input type=\"checkbox\" name=\"contacts\"{}/> contact forces</label>",
-                      frame.contacts.size() > 0 ? "" : " disabled");
-  html +=
-      "<label><input type=\"checkbox\" name=\"walls\" checked/> walls</label><button name=\"nearer\" type=\"button\">nearer</button>"
-      "<button name=\"further\" type=\"button\">further</button><button name=\"reset\" type=\"button\">reset</button></div>\n"
-      "<p id=\"view-panel\" class=\"panel\" aria-live=\"polite\">Pick a body to read about it.</p></div>\n";
-  html += "<script type=\"application/json\" id=\"view-data\">" + inside_script(view_data(run, frame, Within::named(run, within))) +
-          "</script>\n<script>";
-  return html + kViewShaders + kViewScript + "</script>\n";
 }
 
 /// Forces, torques and power of the walls that any body touched.
@@ -490,6 +452,12 @@ ReportResult write_report(const Run& run, const std::string& path, const ReportO
   const nlohmann::json record = provenance_of(run);
   const std::vector<ChainFile> files = check_files(record, run.folder);
   result.numbers = numbers_of(run, verdicts, statistics, record, files);
+  const ViewSection view = view_section(run, shown, what.within, what.pool);
+  (*result.numbers)["view"] = view.numbers;
+  for (const std::string& message : view.skipped) {  // most were named with the statistics
+    if (std::find(statistics.skipped.begin(), statistics.skipped.end(), message) == statistics.skipped.end())
+      result.notes.push_back("not played: " + message);
+  }
 
   const std::string title = run.scene.settings.title.empty() ? run.name : run.scene.settings.title;
   std::string html = fmt::format(
@@ -504,7 +472,7 @@ ReportResult write_report(const Run& run, const std::string& path, const ReportO
   std::vector<std::array<std::string, 3>> sections{{"verdicts", "Can it be trusted?", verdict_section(verdicts)},
                                                    {"case", "What was run", case_section(run)},
                                                    {"picture", "Pictures", picture_section(run, shown, what.within, result.notes)},
-                                                   {"view", "3D view", view_section(run, shown, what.within)},
+                                                   {"view", "3D view", view.html},
                                                    {"statistics", "Statistics", statistics_section(statistics, options.apparatus)},
                                                    {"energies", "Energies", energy_section(run)},
                                                    {"contacts", "Contacts", contact_section(run)},

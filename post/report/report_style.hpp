@@ -58,13 +58,22 @@ figcaption { color: var(--soft); font-size: .88rem; margin-top: .5em; }
 .legend i { display: inline-block; width: 18px; height: 12px; margin-right: .4em; border-radius: 3px; vertical-align: -1px; }
 .tools { display: flex; flex-wrap: wrap; gap: .5em 1.1em; align-items: center; font-size: .92rem; }
 .tools button, .tools select { font: inherit; padding: .25em .7em; border: 1px solid var(--line); border-radius: 6px; background: #fff; color: inherit; }
+.tools label, .cut-tools, .player label { white-space: nowrap; }
+.zoom { display: inline-flex; gap: .5em; }
+.cut-tools { display: inline-flex; align-items: center; gap: .6em; max-width: 100%; } .cut-tools input { flex: 1 1 4em; min-width: 4em; } .cut-tools[hidden], .player[hidden] { display: none; }
+.cut-tools output { min-width: 6.5em; font-variant-numeric: tabular-nums; }
+.player { display: flex; flex-wrap: wrap; gap: .4em 1em; align-items: center; margin: .6em 0 0; font-size: .92rem; }
+.player button, .player select { font: inherit; padding: .25em .7em; border: 1px solid var(--line); border-radius: 6px; background: #fff; color: inherit; }
+.player button { min-width: 6.2em; } .player input { flex: 1 1 12em; min-width: 9em; } .player output { min-width: 13em; font-variant-numeric: tabular-nums; }
+.legend .scale { width: 64px; }
+.note { font-size: .88rem; color: var(--soft); }
 .panel { min-height: 3.1em; font-size: .92rem; background: var(--tint); border: 1px solid var(--line); border-radius: 6px; padding: 8px 12px; overflow-wrap: anywhere; }
 .wide { overflow-x: auto; }
 .state { font-size: .82rem; color: #00523d; white-space: nowrap; } .state.spoilt { color: #7d150f; } .state.lost { color: #6e4200; }
 .chart figcaption a { color: var(--accent); }
 details { margin-top: 1.4em; } summary { cursor: pointer; color: var(--accent); }
 @media (max-width: 720px) { main { padding: 24px 18px; } .verdicts { grid-template-columns: 1fr; } .facts th { white-space: normal; } .grid-table { display: block; overflow-x: auto; } .chart .tick, .chart .limit-text { font-size: 16px; } .chart .chart-text { font-size: 17px; } .chart .chart-title { font-size: 20px; } .view canvas { height: 46vh; } }
-@media print { body { background: #fff; } main { max-width: none; padding: 0; } nav, .tools, #view-panel, .chart figcaption { display: none; } .view canvas { height: 12cm; } .wide { overflow: visible; } figure, .verdict { break-inside: avoid; } }
+@media print { body { background: #fff; } main { max-width: none; padding: 0; } nav, .tools, .player, #view-panel, .chart figcaption { display: none; } .view canvas { height: 12cm; } .wide { overflow: visible; } figure, .verdict { break-inside: avoid; } }
 )CSS";
 
 }  // namespace scree

@@ -60,4 +60,14 @@ std::vector<NetworkLine> network_of(const Frame& frame, const Periodicity& perio
   return lines;
 }
 
+std::vector<std::int32_t> line_counts(const std::vector<NetworkLine>& lines, std::size_t bodies) {
+  std::vector<std::int32_t> counts(bodies);
+  for (const NetworkLine& line : lines) {
+    for (const std::int32_t row : {line.index_a, line.index_b}) {
+      if (row >= 0) ++counts[static_cast<std::size_t>(row)];
+    }
+  }
+  return counts;
+}
+
 }  // namespace scree

@@ -29,6 +29,9 @@ struct NetworkLine {
 /// in   frame   as read: bodies by ascending id, contacts by (a, b)
 std::vector<NetworkLine> network_of(const Frame& frame, const Periodicity& period);
 
+/// Lines of each body, by row of the frame.
+std::vector<std::int32_t> line_counts(const std::vector<NetworkLine>& lines, std::size_t bodies);
+
 /// The periodic axes of a frame: those of the scene, or of a cell that deforms.
 Periodicity periodicity_of(const Scene& scene, const Frame& frame);
 

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <unordered_map>
 
-#include "core/base/utf8.hpp"
 #include "post/run/contact_network.hpp"
 #include "post/run/drawn_meshes.hpp"
 
@@ -14,7 +13,8 @@ namespace scree {
 
 namespace {
 
-constexpr std::size_t kMaxTriangles = 2000000;  // a laptop's graphics still turns these
+constexpr std::size_t kMaxTriangles = 2000000;     // a laptop's graphics still turns these
+constexpr std::size_t kMaxWallTriangles = 100000;  // of all walls: 2.4 MB of the page
 constexpr std::size_t kMaxLines = 60000;
 
 template <class T>
@@ -29,7 +29,8 @@ void push(std::vector<float>& to, const Vec3& v) {
 }
 
 /// Ends of the edges that are seen: borders and those between faces that meet at more than 30 degrees.
-void add_edges(const TriangleMesh& mesh, const WallPlace& place, const Vec3& middle, std::vector<float>& lines) {
+std::vector<float> edges_of(const TriangleMesh& mesh, const Vec3& middle) {
+  std::vector<float> lines;
   std::map<std::pair<std::int32_t, std::int32_t>, std::vector<Vec3>> normals;
   for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
     const Vec3 n = cross(mesh.corner(t, 1) - mesh.corner(t, 0), mesh.corner(t, 2) - mesh.corner(t, 0));
@@ -41,9 +42,34 @@ void add_edges(const TriangleMesh& mesh, const WallPlace& place, const Vec3& mid
   }
   for (const auto& [edge, n] : normals) {
     if (n.size() == 2 && dot(n[0], n[1]) > 0.866) continue;
-    for (const std::int32_t v : {edge.first, edge.second})
-      push(lines, place.position + rotate(place.orientation, mesh.vertices[static_cast<std::size_t>(v)]) - middle);
+    for (const std::int32_t v : {edge.first, edge.second}) push(lines, mesh.vertices[static_cast<std::size_t>(v)] - middle);
   }
+  return lines;
+}
+
+std::string corners_of(const TriangleMesh& mesh) {
+  std::vector<std::uint32_t> corners;
+  for (const Triangle& t : mesh.triangles) {
+    for (const std::int32_t v : t) corners.push_back(static_cast<std::uint32_t>(v));
+  }
+  return array(corners);
+}
+
+/// A wall in its own frame about the middle of its box, so that float32 holds a wall that is drawn far from its origin. It is one-sided
+/// where it is analytic: its near sides, which would hide all bodies in it, are not drawn.
+nlohmann::json wall_json(const Wall& wall, const TriangleMesh& full, std::size_t share) {
+  const bool fits = full.triangles.size() <= share;
+  const TriangleMesh mesh = fits ? full : coarse_mesh(full, share);
+  const Vec3 middle = bounding_box(full).centre();
+  std::vector<float> points;
+  for (const Vec3& v : mesh.vertices) push(points, v - middle);
+  return {{"name", wall.name},
+          {"middle", {middle.x, middle.y, middle.z}},
+          {"oneSided", wall.kind != WallKind::mesh},
+          {"coarse", !fits},
+          {"points", array(points)},
+          {"corners", corners_of(mesh)},
+          {"edges", array(edges_of(full, middle))}};
 }
 
 }  // namespace
@@ -60,13 +86,13 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
-std::string view_data(const Run& run, const Frame& given, const Within& within) {
+JsonRecord view_data(const Run& run, const Frame& given, const Within& within, const ViewExtent& extent) {
   const Scene& scene = run.scene;
   // what has left the equipment is shown, but the camera does not follow it
   const Frame inside = within.part_of(run, given);
   const Frame& frame = within.is_equipment() ? given : inside;
   const FrameBodies& b = frame.bodies;
-  const Box3 room = room_of(inside.bodies, scene);
+  const Box3 room = extent.room.value_or(room_of(inside.bodies, scene));
   const View view = view_of(room, scene.settings.gravity);
   const auto list = [](const Vec3& v) { return nlohmann::json{v.x, v.y, v.z}; };
   nlohmann::json data = {{"time", frame.time},
@@ -74,42 +100,35 @@ std::string view_data(const Run& run, const Frame& given, const Within& within) 
                          {"radius", view.radius},
                          {"from", list(view.from)},
                          {"up", list(view.up)},
+                         {"room", {list(room.lower), list(room.upper)}},
+                         {"number", frame.number},
                          {"count", b.size()},
+                         {"keptContacts", scene.settings.output_contacts},
                          {"shapes", nlohmann::json::array()},
                          {"materials", nlohmann::json::array()}};
   for (const Material& m : scene.materials) data["materials"].push_back(m.name);
   for (std::int32_t k = 0; k < kShapeColours; ++k) data["colours"].push_back(list(shape_colour(k)));
 
   // meshes, coarser when there are very many bodies
-  const std::size_t share = std::max<std::size_t>(12, kMaxTriangles / std::max<std::size_t>(1, b.size()));
+  const std::size_t share = std::max<std::size_t>(12, kMaxTriangles / std::max({std::size_t{1}, b.size(), extent.most}));
   for (const Shape& shape : scene.shapes) {
     const DrawnMesh full = drawn_shape(shape);
     const bool fits = full.mesh.triangles.size() <= share;
     const TriangleMesh mesh = fits ? full.mesh : coarse_mesh(full.mesh, share);
     std::vector<float> points;
     for (const Vec3& v : mesh.vertices) push(points, v);
-    std::vector<std::uint32_t> corners;
-    for (const Triangle& t : mesh.triangles) {
-      for (const std::int32_t v : t) corners.push_back(static_cast<std::uint32_t>(v));
-    }
     data["shapes"].push_back({{"name", shape.name},
                               {"ball", shape.kind == ShapeKind::sphere},
                               {"coarse", !fits},
                               {"diameter", shape.equivalent_diameter()},
                               {"points", array(points)},
-                              {"corners", array(corners)}});
+                              {"corners", corners_of(mesh)}});
   }
 
   // bodies
   const std::vector<NetworkLine> network = network_of(frame, periodicity_of(scene, frame));
-  std::vector<std::uint16_t> touching(b.size());
-  for (const NetworkLine& line : network) {
-    for (const std::int32_t row : {line.index_a, line.index_b}) {
-      if (row >= 0) ++touching[static_cast<std::size_t>(row)];
-    }
-  }
   std::vector<float> position, orientation, scale, velocity;
-  std::vector<std::uint16_t> shape, material;
+  std::vector<std::uint16_t> shape, material, touching;
   std::vector<double> id(b.id.begin(), b.id.end());
   for (std::size_t i = 0; i < b.size(); ++i) {
     push(position, b.position[i] - view.centre);
@@ -120,6 +139,8 @@ std::string view_data(const Run& run, const Frame& given, const Within& within) 
     shape.push_back(static_cast<std::uint16_t>(b.shape[i]));
     material.push_back(static_cast<std::uint16_t>(b.material[i]));
   }
+  for (const std::int32_t count : line_counts(network, b.size())) touching.push_back(static_cast<std::uint16_t>(count));
+  if (b.has_temperature) data["temperature"] = array(std::vector<float>(b.temperature.begin(), b.temperature.end()));
   data["position"] = array(position);
   data["orientation"] = array(orientation);
   data["scale"] = array(scale);
@@ -129,11 +150,15 @@ std::string view_data(const Run& run, const Frame& given, const Within& within) 
   data["id"] = array(id);
   data["touching"] = array(touching);
 
-  // walls as edges, contacts as lines with their normal force
-  std::vector<float> edges, lines, forces;
-  const std::vector<WallPlace> places = wall_places(frame, scene);
-  for (std::size_t w = 0; w < scene.walls.size(); ++w)
-    add_edges(drawn_wall(scene.walls[w], scene, room, &frame), places[w], view.centre, edges);
+  // walls with their places, contacts as lines with their normal force
+  std::vector<double> places;
+  data["walls"] = nlohmann::json::array();
+  for (const Wall& wall : scene.walls)
+    data["walls"].push_back(
+        wall_json(wall, drawn_wall(wall, scene, room, &frame), std::max<std::size_t>(12, kMaxWallTriangles / scene.walls.size())));
+  for (const auto& [x, q] : wall_places(frame, scene)) places.insert(places.end(), {x.x, x.y, x.z, q.x, q.y, q.z, q.w});
+  data["wallPlaces"] = array(places);
+  std::vector<float> lines, forces;
   std::vector<NetworkLine> strongest = network;
   if (strongest.size() > kMaxLines) {
     std::nth_element(strongest.begin(), strongest.begin() + kMaxLines, strongest.end(),
@@ -145,11 +170,10 @@ std::string view_data(const Run& run, const Frame& given, const Within& within) 
     push(lines, line.to - view.centre);
     forces.push_back(static_cast<float>(line.normal_force));
   }
-  data["edges"] = array(edges);
   data["lines"] = array(lines);
   data["forces"] = array(forces);
   data["contacts"] = network.size();
-  return json_text(data);
+  return data;
 }
 
 }  // namespace scree

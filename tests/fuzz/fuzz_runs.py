@@ -262,8 +262,10 @@ def reader(rng):
     post = [["statistics", "changed.run", "-o", "st", "--no-charts", "--jobs", "1"], ["bodies", "changed.run", "-o", "b.csv"], ["contacts", "changed.run", "-o", "c.csv"],
             ["fragments", "changed.run", "-o", "f.csv"], ["vtk", "changed.run", "-o", "v", "--jobs", "1"]]
     choice = rng.random()
-    if choice < 0.2:
+    if choice < 0.19:
         return None
+    if choice < 0.2:
+        return ["scree-post", "bed", "changed.run", "-o", "bed", "--frame", str(rng.choice((-1, 0, 1, 2)))]
     if choice < 0.89:
         return ["scree-post", *rng.choice(post)]
     if choice < 0.9:  # it draws charts: a second

@@ -173,8 +173,18 @@ inline nlohmann::json sample_outcome(const Scene& scene, const Frame& frame) {
           {"provenance", frame.provenance}};
 }
 
+/// The frame without some of its bodies: all in the first frame of a run, then in turn every fourth.
+inline void take_some_away(Frame& frame) {
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < frame.bodies.size(); ++i) {
+    if (frame.number > 0 && (static_cast<std::size_t>(frame.number) + i) % 4 != 0) kept.push_back(i);
+  }
+  take_rows(frame.bodies, kept);
+}
+
 /// Writes NAME.run with three frames: t = 0, 0.1, 0.2, and beside it the files that it was made from.
-inline std::string write_sample_run(const fs::path& folder, std::size_t bodies = 12) {
+/// in   come_and_go   bodies are not in all frames, see take_some_away(), and touch nothing
+inline std::string write_sample_run(const fs::path& folder, std::size_t bodies = 12, int frames = 3, bool come_and_go = false) {
   fs::remove_all(folder);
   fs::create_directories(folder);
   for (const auto& [name, content] : kSampleInputs) std::ofstream(fs::absolute(folder).parent_path() / name) << content;
@@ -182,9 +192,10 @@ inline std::string write_sample_run(const fs::path& folder, std::size_t bodies =
   write_scene_file((folder / "scene.h5").string(), scene);
   std::vector<FrameEntry> entries;
   Frame frame;
-  for (int n = 0; n < 3; ++n) {
+  for (int n = 0; n < frames; ++n) {
     frame = sample_frame(scene, n, 0.1 * n);
-    for (std::int64_t i = 0; n > 0 && i + 1 < static_cast<std::int64_t>(bodies); ++i) {
+    if (come_and_go) take_some_away(frame);
+    for (std::int64_t i = 0; n > 0 && !come_and_go && i + 1 < static_cast<std::int64_t>(bodies); ++i) {
       add_contact(frame, i, i + 1, 3 * i, normalised(Vec3{1, static_cast<double>(i), 2}), 1.0 + static_cast<double>(i));
     }
     entries.push_back({(folder / fmt::format("frame_{:06}.hdf", n)).string(), frame.time});
