@@ -79,7 +79,9 @@ done
 # 3. the Debian package
 (cd "$build" && cpack -G DEB -B "$work/package" >"$work/cpack.log" 2>&1) || { cat cpack.log; fail "cpack"; }
 dpkg -x package/scree_*.deb unpacked
-for library in libopenmpi3 libhdf5-openmpi python3-h5py python3-numpy; do
+mpi=$(dpkg-query -S '*/libmpi.so.40' | sed -n '1s/:.*//p')  # libopenmpi3 of Debian 12, libopenmpi40 of Debian 13
+[[ -n $mpi ]] || fail "no package has libmpi.so.40"
+for library in "$mpi" libhdf5-openmpi python3-h5py python3-numpy; do
   dpkg -f package/scree_*.deb Depends | grep -q "$library" || fail "the package does not depend on $library"
 done
 unpacked/usr/bin/scree-mesher info box.shape.h5 >info.txt
