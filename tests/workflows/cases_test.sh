@@ -3,7 +3,7 @@
 # usage: cases_test.sh RUNNER BIN SCRATCH CASE    "--list" in place of RUNNER prints the cases
 set -euo pipefail
 cases=(hopper column repose drum conveyor triaxial critical-state compression shear-flow flow-function press mill screen sticky granuheap impact silo crater crush brazilian beam rockfall granite unbroken
-  shape-dial dice heated-drum heated-bed fluidised drum-sweep)
+  shape-dial dice tube heated-drum heated-bed fluidised drum-sweep)
 if [[ $1 == --list ]]; then printf '%s;' "${cases[@]}"; exit 0; fi
 runner=$1; export SCREE_BIN=$2; scratch=$3/$4
 rm -rf "$scratch"; mkdir -p "$scratch"
@@ -100,6 +100,11 @@ case $4 in
     run sticky
     holds sticky/sticky.md "| ball | 20 | "
     page sticky/sticky-ball-20; resumes sticky/sticky-ball-20 ;;
+  tube)
+    run tube
+    holds tube/tube.md "^| balls | 0.03 | 0.4"; holds tube/tube.md "^| rings | 0.03 | 0.[56]"
+    there tube/ball-0.03-1.bed/bed.stl tube/ring-0.03-1.bed/void_fraction.vti; charts tube/tube
+    page tube/ring-0.03-1; resumes tube/ring-0.03-1 ;;
   granuheap)
     run granuheap
     holds granuheap/granuheap.md "^| 0.01 | [0-9]* | "
