@@ -27,6 +27,9 @@ namespace {
 constexpr double kCell = 0.1, kRing = 0.05;  // of the mean diameter
 constexpr double kMostCells = 1e8;           // 2.4 GB in memory and on disk
 constexpr double kUsualCells = 4e6;          // of a grid whose cells nobody chose: 48 MB
+constexpr double kLoss = 0.05;               // of a body's volume: caps are thin, so more is worth a note
+constexpr double kSinglePrecision = 6e-8;    // of a coordinate
+constexpr double kShare = 1e-3;              // of a gap: by so much single precision may move a vertex
 constexpr double kWallDeviation = 0.25;      // of a gap: so near a round wall's facets lie to it
 
 double volume_of(std::span<const TriangleMesh> meshes) {
@@ -77,7 +80,7 @@ class BedExport {
       : run_(run),
         options_(options),
         frame_(Within::named(run, options.within).part_of(run, load_frame(run, find_frame(run, options.frame)))),
-        facts_(run, options.container, frame_),
+        facts_(run, options.container ? options.container : placed_container(run, frame_), frame_),
         view_(facts_, frame_) {
     if (view_.particles == 0)
       throw UsageError("--frame {}: no particle in frame {} (of {} s); choose another frame, or other bodies with --within", options.frame,
@@ -107,6 +110,21 @@ class BedExport {
   std::string path_of(const char* name) {
     result_.files.push_back(name);
     return options_.folder + "/" + name;
+  }
+  /// The container of a run whose wall has moved since the start, where it is in the frame; nothing where container_of() is right.
+  static std::optional<Region> placed_container(const Run& run, const Frame& frame) {
+    const std::vector<WallPlace> places = wall_places(frame, run.scene);
+    for (std::size_t w = 0; w < run.scene.walls.size(); ++w) {
+      const Wall& wall = run.scene.walls[w];
+      if (wall.kind != WallKind::box_inside && wall.kind != WallKind::cylinder_inside) continue;
+      const bool turned = !(places[w].orientation == Quat{}), moved = !(places[w].position == Vec3{});
+      if ((!turned && !moved) || (turned && wall.kind == WallKind::box_inside)) return std::nullopt;
+      Region region = inside_of(wall);
+      region.lower = places[w].position + rotate(places[w].orientation, region.lower);
+      region.upper = places[w].position + rotate(places[w].orientation, region.upper);
+      return region;
+    }
+    return std::nullopt;
   }
   void say(const std::string& line) { result_.summary += line + "\n"; }
 
@@ -143,8 +161,7 @@ class BedExport {
     const double deviation = kWallDeviation * options_.gap * *std::min_element(diameters_.begin(), diameters_.end());
     const std::vector<WallPlace> places = wall_places(frame_, run_.scene);
     for (std::size_t w = 0; w < run_.scene.walls.size(); ++w) {
-      TriangleMesh mesh = drawn_wall(run_.scene.walls[w], run_.scene, extent_, &frame_, options_.parted ? deviation : 0);
-      for (Vec3& p : mesh.vertices) p = places[w].position + rotate(places[w].orientation, p);
+      TriangleMesh mesh = wall_surface_in(frame_, run_.scene.walls[w], run_.scene, places[w], extent_, deviation);
       wall_index_[run_.scene.walls[w].id] = -1 - static_cast<std::int32_t>(walls_.size());
       walls_.push_back(std::move(mesh));
     }
@@ -239,6 +256,18 @@ class BedExport {
         view_.particles, frame_.number, frame_.time, 1 - bed.fraction, 1 - bed.of_container));
     say(fmt::format("grid       {} x {} x {} cells of {:.3g} m, {:.6g} m^3 of solid in it, {:.6g} m^3 in all bodies", cells.count[0],
                     cells.count[1], cells.count[2], cells.spacing.x, sum * cells.cell_volume(), volume_));
+    const double in_grid = sum * cells.cell_volume();
+    constexpr double kNoted = 1e-6;
+    if (std::abs(in_grid - volume_) > kNoted * volume_)
+      result_.notes.push_back(
+          fmt::format("{:.3g} % of the solid is not in the grid: bodies reach out of it", 100 * (1 - in_grid / volume_)));
+    if (!std::isfinite(bed.fraction) || !(bed.of_container > 0))
+      result_.notes.push_back(
+          "the container holds none of the bodies: its void fractions mean nothing; give the right one with --container");
+    if (options_.cell <= 0 && cells.spacing.x > 1.5 * kCell * view_.mean_diameter)
+      result_.notes.push_back(
+          fmt::format("cells are {:.2g} mean diameters wide, so that the grid has at most {:g}; --cell sets another edge",
+                      cells.spacing.x / view_.mean_diameter, kUsualCells));
     if (largest > 1 + 1e-6)
       result_.notes.push_back(
           fmt::format("the largest solid fraction of a cell is {:.4f}: what two bodies hold, as at contacts, counts twice", largest));
@@ -287,17 +316,23 @@ class BedExport {
 
   void write_surfaces() {
     if (run_.scene.settings.output_contacts) contacts_ = surface_contacts(view_);
+    move_origin();
     std::vector<double> whole;
     for (const TriangleMesh& body : bodies_) whole.push_back(mass_properties(body).volume);
     if (options_.parted) {
-      const Parting parting = part_bodies(bodies_, diameters_, walls_, view_.facts.period, bed_contacts(), {options_.gap});
+      std::vector<BedContact> contacts = bed_contacts();
+      for (BedContact& c : contacts) c.point -= origin_;
+      const Parting parting = part_bodies(bodies_, diameters_, walls_, view_.facts.period, contacts, {options_.gap});
       result_.numbers["gap"] = options_.gap;
-      result_.numbers["pairs_parted"] = parting.near - parting.left.size();
+      result_.numbers["pairs_parted"] = parting.parted;
       result_.numbers["pairs_left"] = parting.left.size();
       result_.numbers["self_crossings"] = parting.self_crossings;
       result_.numbers["smallest_gap"] = std::isfinite(parting.smallest_gap) ? nlohmann::json(parting.smallest_gap) : nlohmann::json();
-      say(fmt::format("parting    {} pairs parted, smallest distance {:.3g} m, {:.3g} of the mean diameter",
-                      parting.near - parting.left.size(), parting.smallest_gap, parting.smallest_gap / view_.mean_diameter));
+      if (std::isfinite(parting.smallest_gap))
+        say(fmt::format("parting    {} pairs parted, smallest distance {:.3g} m, {:.3g} of the mean diameter", parting.parted,
+                        parting.smallest_gap, parting.smallest_gap / view_.mean_diameter));
+      else
+        say("parting    no two surfaces are near each other");
       if (parting.self_crossings > 0)
         result_.notes.push_back(fmt::format("{} pairs of triangles of one body pass through or touch each other where several caps meet",
                                             parting.self_crossings));
@@ -318,17 +353,57 @@ class BedExport {
     say(fmt::format("surface    {} triangles, {} open edges, {:.6g} m^3, {:.3g} % less than the bodies", triangles, open, in_file,
                     100 * (1 - in_file / volume_)));
     whole_ = std::move(whole);
+    note_losses();
     const auto beyond = std::count_if(bodies_.begin(), bodies_.end(), [&](const TriangleMesh& body) {
       const Box3 box = bounding_box(body);
       for (int k = 0; k < 3; ++k) {
         if (!view_.facts.period.is_periodic(k)) continue;
-        const double low = view_.facts.cell_lower[k], high = low + view_.facts.period.period()[k];
+        const double low = view_.facts.cell_lower[k] - origin_[k], high = low + view_.facts.period.period()[k];
         if (box.lower[k] < low || box.upper[k] > high) return true;
       }
       return false;
     });
     if (beyond > 0)
       result_.notes.push_back(fmt::format("{} bodies reach through a periodic side: bed.stl has each of them once and whole", beyond));
+  }
+
+  /// STL files have coordinates in single precision: far from the origin they are given from a point near the bed.
+  void move_origin() {
+    double farthest = 0, smallest = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < 3; ++k) farthest = std::max({farthest, std::abs(extent_.lower[k]), std::abs(extent_.upper[k])});
+    for (const double d : diameters_) smallest = std::min(smallest, d);
+    if (farthest * kSinglePrecision > kShare * options_.gap * smallest) origin_ = extent_.lower;
+    result_.numbers["origin"] = {origin_.x, origin_.y, origin_.z};
+    if (origin_ == Vec3{}) return;
+    for (std::vector<TriangleMesh>* meshes : {&bodies_, &walls_}) {
+      for (TriangleMesh& mesh : *meshes) {
+        for (Vec3& p : mesh.vertices) p -= origin_;
+      }
+    }
+    result_.notes.push_back(
+        fmt::format("coordinates in bed.stl and walls.stl are from ({}, {}, {}) m: single precision is too coarse so far from 0", origin_.x,
+                    origin_.y, origin_.z));
+    const Vec3 extent = extent_.extent();
+    if (std::max({extent.x, extent.y, extent.z}) * kSinglePrecision > kShare * options_.gap * smallest)
+      result_.notes.push_back(
+          fmt::format("the bed is {:.2g} times as large as its smallest body: single precision of STL moves vertices by more than {} gaps",
+                      std::max({extent.x, extent.y, extent.z}) / smallest, kShare));
+  }
+
+  /// Caps that are more than thin: of a plate thinner than the gap, a body between hollow surfaces, a soft contact.
+  void note_losses() {
+    std::size_t count = 0, most = 0;
+    double largest = 0;
+    for (std::size_t i = 0; i < whole_.size(); ++i) {
+      const double lost = 1 - volumes_[i] / whole_[i];
+      count += lost > kLoss ? 1U : 0U;
+      if (lost > largest) largest = lost, most = i;
+    }
+    result_.numbers["largest_loss"] = largest;
+    if (count > 0)
+      result_.notes.push_back(
+          fmt::format("{} bodies lose more than {:g} % of their volume by caps, body {} most: {:.3g} %; bodies.csv has all", count,
+                      100 * kLoss, frame_.bodies.id[rows_[most]], 100 * largest));
   }
 
   std::string words_of_left_pairs(const Parting& parting) const {
@@ -340,8 +415,8 @@ class BedExport {
       names += fmt::format("{}{}-{}", i > 0 ? ", " : "", id(a), b >= 0 ? std::to_string(id(b)) : std::string("wall"));
     }
     return fmt::format(
-        "{} pairs are nearer than half a gap or cross ({}{}): both surfaces are hollow there, or they overlap by more than a tenth of a "
-        "diameter; a mesh generator may fail there",
+        "{} pairs are nearer than half a gap or cross ({}{}): both surfaces are hollow there, they overlap deeply, or a body is thinner "
+        "than the gap; a mesh generator may fail there",
         parting.left.size(), names, parting.left.size() > kNamed ? ", ..." : "");
   }
 
@@ -401,6 +476,7 @@ class BedExport {
   std::vector<double> diameters_, whole_, volumes_;  ///< of each particle [m], [m^3] whole and in the file
   std::vector<SurfaceContact> contacts_;
   Box3 extent_;
+  Vec3 origin_;  ///< of what is in STL files [m]
   double volume_ = 0;
 };
 

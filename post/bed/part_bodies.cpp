@@ -11,6 +11,7 @@
 
 #include "core/base/long_work.hpp"
 #include "core/distance/mesh_distance.hpp"
+#include "core/geometry/mass_properties.hpp"
 #include "core/surface/self_intersections.hpp"
 #include "post/bed/closed_cut.hpp"
 
@@ -31,13 +32,18 @@ constexpr double kTouch = 1e-3;  // of a gap: triangles that are so near are tho
 constexpr double kFlat = 1e-3;   // of a gap: lower triangles turn over in single precision
 constexpr double kSlack = 0.1;   // of that: merged edges and single precision may bring surfaces nearer
 constexpr int kTries = 4;
-constexpr int kRounds = 100;  // a ball in a hollow of twice its radius needs about ten
+constexpr double kMuch = 0.02;              // of a body's volume, and two gaps: a plane that takes off more is not that of one contact
+constexpr std::size_t kMostPoints = 20000;  // of a curve that is divided into pieces, which costs the square of their number at worst
+constexpr double kMost = 0.33;              // of a body's volume: then the pair is left as it is
+constexpr int kCrossingRounds = 10;         // of surfaces that cross: one or two are enough where each piece has a plane
+constexpr int kRounds = 100;                // a ball in a hollow of twice its radius needs about ten
 
 struct Solid {
   TriangleMesh mesh;
   Bvh bvh;
   Box3 box;
   double diameter = 0;
+  double volume = 0;  ///< before all cuts [m^3]
   bool is_cut = false;
   MeshView view() const { return {&mesh, &bvh}; }
   void renew() {
@@ -72,11 +78,11 @@ class Parter {
          const Periodicity& period, const std::vector<BedContact>& contacts, const PartingOptions& options)
       : bodies_(bodies), period_(period), options_(options), scratch_(make_mesh_distance_scratch()) {
     for (std::size_t i = 0; i < bodies.size(); ++i) {
-      solids_.push_back({bodies[i], {}, {}, diameters[i], false});
+      solids_.push_back({bodies[i], {}, {}, diameters[i], mass_properties(bodies[i]).volume, false});
       solids_.back().renew();
     }
     for (const TriangleMesh& wall : walls) {
-      walls_.push_back({wall, {}, {}, 0, false});
+      walls_.push_back({wall, {}, {}, 0, 0, false});
       walls_.back().renew();
     }
     for (const BedContact& c : contacts) contacts_[{c.a, c.b}].push_back(c);
@@ -86,11 +92,11 @@ class Parter {
     Parting result;
     const std::vector<Pair> pairs = pairs_that_may_meet();
     LongWork work("parting of bodies", static_cast<double>(2 * pairs.size()));
+    std::vector<bool> near;
     for (const Pair& pair : pairs) {
       work.advance();
-      if (distance(pair, kEnough * gap_of(pair)) >= kEnough * gap_of(pair)) continue;
-      ++result.near;
-      part(pair);
+      near.push_back(distance(pair, kEnough * gap_of(pair)) < kEnough * gap_of(pair));
+      if (near.back()) part(pair);
     }
     for (Solid& s : solids_) {
       if (s.is_cut) {
@@ -101,11 +107,14 @@ class Parter {
       if (s.is_cut) result.self_crossings += find_crossing_pairs(s.mesh).size();
     }
     result.smallest_gap = std::numeric_limits<double>::infinity();
-    for (const Pair& pair : pairs) {
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
       work.advance();
-      const double gap = gap_of(pair), d = distance(pair, 2 * gap);
+      const double gap = gap_of(pairs[k]), d = distance(pairs[k], 2 * gap);
       if (d < 2 * gap) result.smallest_gap = std::min(result.smallest_gap, d);
-      if (d < kEnough * gap * (1 - kSlack)) result.left.emplace_back(pair.a, pair.b);
+      if (d < kEnough * gap * (1 - kSlack))
+        result.left.emplace_back(pairs[k].a, pairs[k].b);
+      else if (near[k])
+        ++result.parted;
     }
     for (std::size_t i = 0; i < solids_.size(); ++i) bodies_[i] = std::move(solids_[i].mesh);
     return result;
@@ -201,10 +210,13 @@ class Parter {
 
   void part(const Pair& pair) {
     const double gap = gap_of(pair);
+    int crossing_rounds = 0;
     for (int round = 0; round < kRounds; ++round) {
       TrianglePair nearest{-1, -1};
       const double d = distance(pair, gap, &nearest);
       if (d >= kEnough * gap) return;
+      if (d == 0 && ++crossing_rounds > kCrossingRounds) return;
+      if (has_lost(pair.a, kMost) || (pair.b >= 0 && has_lost(pair.b, kMost))) return;
       bool any = false;
       if (round == 0) {
         for (const Between& place : places_of_contacts(pair)) any = cut_both(pair, place, gap) || any;
@@ -301,7 +313,15 @@ class Parter {
   bool cut_crossing(const Pair& pair, double gap) {
     const std::vector<Crossing> curve = crossings_of(pair);
     if (curve.empty()) return false;
-    if (cut_both(pair, fitted(curve), gap)) return true;
+    // a copy of both: one plane through several places of contact would take off what lies between them
+    const Solid a = solids_[at(pair.a)], b = pair.b >= 0 ? solids_[at(pair.b)] : Solid{};
+    if (cut_both(pair, fitted(curve), gap)) {
+      const bool much =
+          lost_since(pair.a, a) > kMuch + 2 * options_.gap || (pair.b >= 0 && lost_since(pair.b, b) > kMuch + 2 * options_.gap);
+      if (!much || curve.size() > kMostPoints) return true;
+      solids_[at(pair.a)] = a;
+      if (pair.b >= 0) solids_[at(pair.b)] = b;
+    }
     const double reach = kDeepest * gap / options_.gap;  // gap over options_.gap: the smaller diameter
     std::vector<bool> used(curve.size());
     bool any = false;
@@ -320,6 +340,14 @@ class Parter {
       if (length(mean) > 0) any = cut_both(pair, {across.middle, normalised(mean), across.middle, across.middle}, gap) || any;
     }
     return any;
+  }
+
+  double volume_of(const Solid& s) const { return mass_properties(s.mesh).volume; }
+  /// Share of its first volume that a body has lost since a copy of it was made.
+  double lost_since(Index body, const Solid& copy) const { return (volume_of(copy) - volume_of(solids_[at(body)])) / copy.volume; }
+  bool has_lost(Index body, double share) const {
+    const Solid& s = solids_[at(body)];
+    return s.is_cut && volume_of(s) < (1 - share) * s.volume;
   }
 
   bool cut_both(const Pair& pair, const Between& place, double gap) {

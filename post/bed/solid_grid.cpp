@@ -75,11 +75,17 @@ Projected projected(const Polygon& p) {
 SolidGrid::SolidGrid(const GridCells& cells) : cells_(cells), within_(cells.size()), under_(cells.size()) {}
 
 void SolidGrid::add(const TriangleMesh& mesh, const Vec3& shift) {
-  const Vec3 top = cells_.upper();
-  const auto index_of = [&](double x, int axis) {
-    return static_cast<std::int64_t>(std::floor((x - cells_.lower[axis]) / cells_.spacing[axis]));
-  };
   const auto plane = [&](std::int64_t i, int axis) { return cells_.lower[axis] + static_cast<double>(i) * cells_.spacing[axis]; };
+  // the layer that begins at or below x by its plane as computed: a level face in a plane belongs to one layer
+  const auto index_of = [&](double x, int axis) {
+    const double place = (x - cells_.lower[axis]) / cells_.spacing[axis];
+    const auto count = static_cast<double>(cells_.count[static_cast<std::size_t>(axis)]);
+    auto i = static_cast<std::int64_t>(std::floor(std::clamp(place, -1.0, count + 1)));
+    while (plane(i, axis) > x && i > -1) --i;
+    while (plane(i + 1, axis) <= x && static_cast<double>(i) < count) ++i;
+    return i;
+  };
+  const double top = plane(cells_.count[2], 2);
   /// Calls visit(index, piece) for the pieces of a polygon between the planes of an axis.
   const auto for_each_layer = [&](const Polygon& p, int axis, const auto& visit) {
     const Span s = span_of(p, axis);
@@ -103,8 +109,8 @@ void SolidGrid::add(const TriangleMesh& mesh, const Vec3& shift) {
           within_[cell(iz)] += p.area * (p.height - plane(iz, 2));
           under_[cell(iz)] += p.area;
         });
-        if (span_of(in_y, 2).high <= top.z) return;  // what lies above the grid fills the whole column
-        const Polygon above = clipped(in_y, 2, top.z, 1);
+        if (span_of(in_y, 2).high < top) return;  // what lies above the grid, or in its upper side, fills the whole column
+        const Polygon above = clipped(in_y, 2, top, 1);
         if (above.count < 3) return;
         const double area = projected(above).area;
         within_[cell(cells_.count[2] - 1)] += area * cells_.spacing.z;

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <memory>
 
 #include "core/base/command_line.hpp"
@@ -40,6 +41,8 @@ Command add_bed(CLI::App& app) {
             CommandResult result;
             const Run run = o->run.open(result.notices);
             BedOptions& bed = o->bed;
+            if (std::isnan(bed.gap)) throw UsageError("--gap nan: a number between 1e-4 and 0.1 expected");
+            if (bed.cell < 0) throw UsageError("--cell {} m: a length > 0 expected", bed.cell);
             bed.parted = o->parting == "caps";
             for (bed.ball_level = 2; 20 << (2 * bed.ball_level) < o->ball_triangles;) ++bed.ball_level;
             if (!o->container.empty()) {

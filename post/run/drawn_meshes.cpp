@@ -80,7 +80,7 @@ void cut_to_cell(const Wall& wall, const Domain& domain, TriangleMesh& mesh) {
   }
 }
 
-TriangleMesh whole_wall(const Wall& wall, const Scene& scene, const Box3& room, const Frame* frame, double deviation);
+TriangleMesh whole_wall(const Wall& wall, const Scene& scene, const Box3& room, const Frame* frame);
 
 }  // namespace
 
@@ -132,8 +132,8 @@ std::vector<Vec3> worn_vertices_of(const Wall& wall, const Frame& frame) {
   return vertices;
 }
 
-TriangleMesh drawn_wall(const Wall& wall, const Scene& scene, const Box3& room, const Frame* frame, double deviation) {
-  TriangleMesh mesh = whole_wall(wall, scene, room, frame, deviation);
+TriangleMesh drawn_wall(const Wall& wall, const Scene& scene, const Box3& room, const Frame* frame) {
+  TriangleMesh mesh = whole_wall(wall, scene, room, frame);
   cut_to_cell(wall, scene.settings.domain, mesh);
   return mesh;
 }
@@ -149,7 +149,18 @@ int level_of_sphere(double radius, double deviation) {
   return level;
 }
 
-TriangleMesh whole_wall(const Wall& wall, const Scene& scene, const Box3& room, const Frame* frame, double deviation) {
+/// The mesh of a wall from a file, worn as it is in a frame.
+TriangleMesh wall_mesh(const Wall& wall, const Scene& scene, const Frame* frame) {
+  TriangleMesh mesh = scene.shapes.at(static_cast<std::size_t>(wall.shape)).mesh;
+  if (frame != nullptr && wall.wear > 0) {
+    std::vector<Vec3> worn = worn_vertices_of(wall, *frame);
+    if (worn.size() == mesh.vertices.size()) mesh.vertices = std::move(worn);
+  }
+  for (Vec3& p : mesh.vertices) p *= wall.scale;
+  return mesh;
+}
+
+TriangleMesh whole_wall(const Wall& wall, const Scene& scene, const Box3& room, const Frame* frame) {
   const Vec3 extent = room.extent();
   const double size = std::max({extent.x, extent.y, extent.z});
   switch (wall.kind) {
@@ -174,9 +185,9 @@ TriangleMesh whole_wall(const Wall& wall, const Scene& scene, const Box3& room, 
       return box;
     }
     case WallKind::cylinder_inside:
-      return inner_cylinder(wall.axis_start, wall.axis_end, wall.radius, sides_of_circle(wall.radius, deviation));
+      return inner_cylinder(wall.axis_start, wall.axis_end, wall.radius, sides_of_circle(wall.radius, 0));
     case WallKind::sphere_inside: {
-      TriangleMesh ball = icosphere(level_of_sphere(wall.radius, deviation));
+      TriangleMesh ball = icosphere(level_of_sphere(wall.radius, 0));
       for (Vec3& p : ball.vertices) p = wall.point + wall.radius * p;
       for (Triangle& t : ball.triangles) std::swap(t[1], t[2]);
       return ball;
@@ -184,16 +195,56 @@ TriangleMesh whole_wall(const Wall& wall, const Scene& scene, const Box3& room, 
     case WallKind::mesh:
       break;
   }
-  TriangleMesh mesh = scene.shapes.at(static_cast<std::size_t>(wall.shape)).mesh;
-  if (frame != nullptr && wall.wear > 0) {
-    std::vector<Vec3> worn = worn_vertices_of(wall, *frame);
-    if (worn.size() == mesh.vertices.size()) mesh.vertices = std::move(worn);
-  }
-  for (Vec3& p : mesh.vertices) p *= wall.scale;
-  return mesh;
+  return wall_mesh(wall, scene, frame);
 }
 
 }  // namespace
+
+TriangleMesh wall_surface_in(const Frame& frame, const Wall& wall, const Scene& scene, const WallPlace& place, const Box3& room,
+                             double deviation) {
+  TriangleMesh mesh;
+  switch (wall.kind) {
+    case WallKind::plane: {
+      Vec3 u, v;
+      any_perpendicular(wall.normal, u, v);
+      const Vec3 centre = rotate_inverse(place.orientation, room.centre() - place.position);
+      const Vec3 middle = centre - dot(centre - wall.point, wall.normal) * wall.normal;
+      for (const auto& [a, b] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}})
+        mesh.vertices.push_back(middle + length(room.extent()) * (a * u + b * v));
+      mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+      break;
+    }
+    case WallKind::box_inside:
+      mesh = box_mesh(wall.upper - wall.lower);
+      for (Vec3& p : mesh.vertices) p += 0.5 * (wall.lower + wall.upper);
+      for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+      break;
+    case WallKind::cylinder_inside:
+      mesh = inner_cylinder(wall.axis_start, wall.axis_end, wall.radius, sides_of_circle(wall.radius, deviation));
+      break;
+    case WallKind::sphere_inside:
+      mesh = icosphere(level_of_sphere(wall.radius, deviation));
+      for (Vec3& p : mesh.vertices) p = wall.point + wall.radius * p;
+      for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+      break;
+    case WallKind::mesh:
+      mesh = wall_mesh(wall, scene, &frame);
+      break;
+  }
+  for (Vec3& p : mesh.vertices) p = place.position + rotate(place.orientation, p);
+  if (wall.kind == WallKind::box_inside || wall.kind == WallKind::cylinder_inside) {
+    constexpr double kAcross = 1e-9;  // rounding of a face that is turned onto itself
+    for (int k = 0; k < 3; ++k) {
+      if (!scene.settings.domain.periodic[static_cast<std::size_t>(k)]) continue;
+      std::erase_if(mesh.triangles, [&](const Triangle& t) {
+        const Vec3& o = mesh.vertices[static_cast<std::size_t>(t[0])];
+        const Vec3 normal = cross(mesh.vertices[static_cast<std::size_t>(t[1])] - o, mesh.vertices[static_cast<std::size_t>(t[2])] - o);
+        return std::abs(normal[k]) > (1 - kAcross) * length(normal);
+      });
+    }
+  }
+  return mesh;
+}
 
 std::vector<double> bounding_radii(const Scene& scene) {
   std::vector<double> radii;

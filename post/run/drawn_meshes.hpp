@@ -30,9 +30,14 @@ TriangleMesh coarse_mesh(const TriangleMesh& mesh, std::size_t most);
 ///
 /// How: a plane is drawn as a square, and a box, which may reach far above the pile, is cut, so that walls
 /// reach `room` and not much further. Drawn only: the solver's walls are what the case says.
-/// in   frame     where given, a wall that wears is drawn as it is there; else as it was at the start
-/// in   deviation [m] largest distance of the facets of a round wall from it, where a picture's 64 sides are not enough; 0: a picture's
-TriangleMesh drawn_wall(const Wall& wall, const Scene& scene, const Box3& room, const Frame* frame = nullptr, double deviation = 0);
+/// in   frame   where given, a wall that wears is drawn as it is there; else as it was at the start
+TriangleMesh drawn_wall(const Wall& wall, const Scene& scene, const Box3& room, const Frame* frame = nullptr);
+
+/// A wall as bodies meet it, in the world: whole, and without the faces that lie across a periodic axis. A plane is a square about `room`.
+/// in   place      of the wall in the frame     in   room   in the world [m]     in   frame   for a wall that wears
+/// in   deviation  [m] largest distance of the facets of a round wall from it
+TriangleMesh wall_surface_in(const Frame& frame, const Wall& wall, const Scene& scene, const WallPlace& place, const Box3& room,
+                             double deviation);
 
 /// Vertices of a wall as worn in a frame, axes and scale of its mesh; none where it does not wear.
 std::vector<Vec3> worn_vertices_of(const Wall& wall, const Frame& frame);

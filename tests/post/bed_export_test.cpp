@@ -121,7 +121,7 @@ double parted(std::vector<TriangleMesh>& bodies, double diameter, const std::vec
               const Periodicity& period = {}, const std::vector<BedContact>& contacts = {}) {
   const std::vector<double> diameters(bodies.size(), diameter);
   const Parting parting = part_bodies(bodies, diameters, walls, period, contacts, {0.02});
-  EXPECT_EQ(parting.near, 1U);
+  EXPECT_EQ(parting.parted, 1U);
   EXPECT_TRUE(parting.left.empty());
   EXPECT_EQ(parting.self_crossings, 0U);
   for (const TriangleMesh& body : bodies) EXPECT_EQ(open_edges(body), 0U);
@@ -220,6 +220,14 @@ TEST(SolidGrid, holds_the_volume_of_what_lies_in_it) {
   double sum = 0;
   for (const double share : grid.fractions()) sum += share * whole.cell_volume();
   EXPECT_NEAR(sum, volume(turned), 1e-12);
+  // level faces in the planes of the grid, the highest one and an inner one
+  SolidGrid level({{-0.5, -0.5, -0.5}, {0.1, 0.1, 0.1}, {10, 10, 10}});
+  level.add(box_mesh({1, 1, 1}));
+  for (const double share : level.fractions()) EXPECT_NEAR(share, 1, 1e-12);
+  SolidGrid half({{-0.5, -0.5, -0.5}, {0.1, 0.1, 0.1}, {10, 10, 10}});
+  half.add(box_mesh({1, 1, 0.4}));
+  const std::vector<double> shares = half.fractions();
+  for (std::size_t i = 0; i < shares.size(); ++i) EXPECT_NEAR(shares[i], i / 100 >= 3 && i / 100 < 7 ? 1 : 0, 1e-12) << i;
   // a grid that a box sticks out of on all sides is full, one that it lies beyond is empty
   const GridCells inner{{-0.5, -0.5, -0.5}, {0.25, 0.25, 0.25}, {4, 4, 4}};
   SolidGrid full(inner), none(inner);
@@ -228,6 +236,39 @@ TEST(SolidGrid, holds_the_volume_of_what_lies_in_it) {
   none.add(box_mesh({1, 1, 1}), {0, 3, 0});
   for (const double share : full.fractions()) EXPECT_NEAR(share, 1, 1e-14);
   for (const double share : none.fractions()) EXPECT_NEAR(share, 0, 1e-14);
+}
+
+TEST(BedWalls, are_whole_where_they_are_in_the_frame_and_open_across_periodic_axes) {
+  Scene scene;
+  Wall box;
+  box.kind = WallKind::box_inside;
+  box.lower = {-1, -2, 0};
+  box.upper = {1, 2, 30};
+  const Quat quarter = quaternion_of(Vec3{0, 0, 1}, kPi / 2);
+  Box3 room;
+  room.add(Vec3{4.9, -0.1, 0});
+  room.add(Vec3{5.1, 0.1, 0.2});
+  const Box3 placed = bounding_box(wall_surface_in({}, box, scene, {{5, 0, 0}, quarter}, room, 0));
+  EXPECT_NEAR(length(placed.lower - Vec3{3, -1, 0}), 0, 1e-12);
+  EXPECT_NEAR(length(placed.upper - Vec3{7, 1, 30}), 0, 1e-12);
+  scene.settings.domain.periodic = {true, false, false};
+  EXPECT_EQ(wall_surface_in({}, box, scene, {}, room, 0).triangle_count(), 8);
+  Wall tube;
+  tube.kind = WallKind::cylinder_inside;
+  tube.axis_start = {-1, 0, 0};
+  tube.axis_end = {1, 0, 0};
+  tube.radius = 0.5;
+  const TriangleMesh sides = wall_surface_in({}, tube, scene, {}, room, 1e-4);
+  EXPECT_NEAR(surface_area(sides), 2 * kPi * 0.5 * 2, 1e-3);
+  for (std::int32_t t = 0; t < sides.triangle_count(); ++t) {
+    const Vec3 middle = (1.0 / 3) * (sides.corner(t, 0) + sides.corner(t, 1) + sides.corner(t, 2));
+    EXPECT_GT(std::hypot(middle.y, middle.z), 0.5 - 1.01e-4);
+  }
+  Wall plane;
+  plane.normal = {0, 0, 1};
+  const Box3 square = bounding_box(wall_surface_in({}, plane, scene, {{100, 0, 0.3}, quarter}, room, 0));
+  EXPECT_TRUE(square.lower.x < 4.9 && square.upper.x > 5.1 && square.lower.y < -0.1 && square.upper.y > 0.1);
+  EXPECT_NEAR(square.lower.z, 0.3, 1e-15);
 }
 
 /// Two cubes of volume 1 and a floor, with contact points put there.
