@@ -334,12 +334,35 @@ class Parter {
         piece.push_back(curve[j]);
       }
       const Between across = fitted(piece);
-      any = cut_both(pair, across, gap) || any;
       Vec3 mean;
       for (const Crossing& c : piece) mean += c.normal;
-      if (length(mean) > 0) any = cut_both(pair, {across.middle, normalised(mean), across.middle, across.middle}, gap) || any;
+      std::vector<Between> planes{across};
+      if (length(mean) > 0) planes.push_back({across.middle, normalised(mean), across.middle, across.middle});
+      any = cut_the_least(pair, planes, gap) || any;
     }
     return any;
+  }
+
+  /// Cuts at that one of the planes that takes off least; false where none cuts.
+  bool cut_the_least(const Pair& pair, const std::vector<Between>& planes, double gap) {
+    const Solid a = solids_[at(pair.a)], b = pair.b >= 0 ? solids_[at(pair.b)] : Solid{};
+    Solid best_a, best_b;
+    double least = std::numeric_limits<double>::infinity();
+    for (const Between& plane : planes) {
+      const bool is_cut = cut_both(pair, plane, gap);
+      const double lost = lost_since(pair.a, a) + (pair.b >= 0 ? lost_since(pair.b, b) : 0);
+      if (is_cut && lost < least) {
+        least = lost;
+        best_a = solids_[at(pair.a)];
+        if (pair.b >= 0) best_b = solids_[at(pair.b)];
+      }
+      solids_[at(pair.a)] = a;
+      if (pair.b >= 0) solids_[at(pair.b)] = b;
+    }
+    if (!std::isfinite(least)) return false;
+    solids_[at(pair.a)] = std::move(best_a);
+    if (pair.b >= 0) solids_[at(pair.b)] = std::move(best_b);
+    return true;
   }
 
   double volume_of(const Solid& s) const { return mass_properties(s.mesh).volume; }
