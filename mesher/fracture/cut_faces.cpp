@@ -1,9 +1,5 @@
 #include "mesher/fracture/cut_faces.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "core/geometry/plane_faces.hpp"
 #include "core/geometry/polygon_moments.hpp"
 
@@ -16,10 +12,6 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 using Ring = std::vector<std::int32_t>;
 
 }  // namespace
-
-void add_triangles(const Ring& ring, const std::vector<Vec3>& vertices, std::vector<Triangle>& triangles) {
-  fill_ring(ring, vertices, triangles);  // convex: where rounding makes a sliver cross itself, a fan covers it all the same
-}
 
 void make_faces(const FaceRims& rims, const Generators& generators, CutMesh& cut) {
   for (const auto& [cells, edges] : rims) {

@@ -14,9 +14,6 @@ namespace scree {
 /// Directed edges of the faces between cells i < j, in no order; counter-clockwise around the face, seen from j.
 using FaceRims = std::map<std::pair<std::int32_t, std::int32_t>, std::vector<std::pair<std::int32_t, std::int32_t>>>;
 
-/// Fills a polygon, convex or not; `ring` may run along a cut to a hole and back. Adds its triangles.
-void add_triangles(const std::vector<std::int32_t>& ring, const std::vector<Vec3>& vertices, std::vector<Triangle>& triangles);
-
 /// Joins the rims to loops, gives each hole to the rim around it, fills every face, and adds the faces to `cut`.
 /// Fails: DegenerateCut when rounding has laid two loops across each other.   Cost: O(n^2) in the vertices of a face.
 void make_faces(const FaceRims& rims, const Generators& generators, CutMesh& cut);

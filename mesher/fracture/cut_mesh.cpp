@@ -7,6 +7,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/long_work.hpp"
+#include "core/geometry/plane_faces.hpp"
 #include "mesher/fracture/cut_faces.hpp"
 
 namespace scree {
@@ -132,7 +133,8 @@ class MeshCutter {
     for (std::size_t k = 0; k < n; ++k) {
       if (edges[k] > i) rims_[{i, edges[k]}].emplace_back(ring[(k + 1) % n], ring[k]);  // the face runs the other way
     }
-    add_triangles(ring, result_.vertices, result_.skin[at(i)]);
+    // convex: where rounding makes a sliver cross itself, a fan covers it all the same
+    fill_ring(ring, result_.vertices, result_.skin[at(i)]);
   }
 
   /// What of each Voronoi edge lies in the body, from the outside inwards.

@@ -7,10 +7,12 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "core/geometry/half_edges.hpp"
 #include "core/geometry/plane_faces.hpp"
 
 namespace scree {
@@ -328,18 +330,12 @@ CutOutcome cut_off(TriangleMesh& mesh, const Vec3& plane, const Vec3& normal, co
 }
 
 std::size_t open_edges(const TriangleMesh& mesh) {
-  std::map<Edge, int> balance;
-  std::map<Edge, int> count;
-  for (const Triangle& t : mesh.triangles) {
-    for (Index k = 0; k < 3; ++k) {
-      const Index a = t[at(k)], b = t[at(next(k))];
-      const Edge edge = std::minmax(a, b);
-      balance[edge] += a < b ? 1 : -1;
-      ++count[edge];
-    }
-  }
-  return static_cast<std::size_t>(
-      std::count_if(count.begin(), count.end(), [&](const auto& c) { return c.second != 2 || balance[c.first] != 0; }));
+  const std::vector<HalfEdge> half = sorted_half_edges(mesh);
+  std::size_t open = 0;
+  for_each_edge(half, [&](std::size_t first, std::size_t last) {
+    if (last - first != 2 || half[first].is_forward == half[first + 1].is_forward) ++open;
+  });
+  return open;
 }
 
 }  // namespace scree

@@ -1,7 +1,7 @@
 // A closed mesh without the part of it that lies beyond a plane about one place.
 #pragma once
 
-#include <optional>
+#include <cstddef>
 
 #include "core/geometry/triangle_mesh.hpp"
 
@@ -19,9 +19,14 @@ enum class CutOutcome {
 /// How: parts are sets of vertices beyond the plane that edges connect; the nearest to `place` by its vertices and the points of its rim is
 /// taken. Triangles of the rim are cut, and polygons in the plane, with holes where the part has some, close the mesh. The points of the
 /// rim are shared by both triangles of an edge, so the result is closed in its indices. A point of the rim within `snap` of a vertex
-/// becomes that vertex, so no edge shorter than `snap` arises along an edge. in   mesh     closed, outward in   plane    a point of it in
-/// normal   unit; beyond is where it points to     in   place   [m] in   deepest  [m] how far beyond the plane the part may reach     in
-/// snap   [m] Cost: O(V + T), and the square of the number of corners of the rim.
+/// becomes that vertex, so no edge shorter than `snap` arises along an edge.
+/// in   mesh      closed, outward
+/// in   plane     a point of it [m]
+/// in   normal    unit; beyond is where it points to
+/// in   place     [m]
+/// in   deepest   [m] how far beyond the plane the part may reach
+/// in   snap      [m]
+/// Cost: O(V + T), and the square of the number of corners of the rim.
 CutOutcome cut_off(TriangleMesh& mesh, const Vec3& plane, const Vec3& normal, const Vec3& place, double deepest, double snap);
 
 /// Merges the ends of edges shorter than `shortest`: what several cuts about one corner leave, which single precision would fold over.

@@ -25,8 +25,8 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 constexpr double kEnough = 0.5;         // of a gap: pairs that are so far apart stay as they are, which saves half of all cuts
 constexpr double kDeepest = 0.1;        // of a diameter: beds overlap by a hundredth or less; what is deeper is a hollow surface
 constexpr double kOneDirection = 0.98;  // cosine of 11 degrees: contact points of one face
-constexpr double kSnap =
-    1e-2;  // of a gap: no edge of a cap is shorter; a hundred times what single precision moves in a bed of a hundred diameters
+// of a gap: no edge of a cap is shorter; a hundred times what single precision moves in a bed of a hundred diameters
+constexpr double kSnap = 1e-2;
 constexpr double kAside = 0.03;  // of a gap: by so much a plane moves that meets a vertex or a rim of several loops
 constexpr double kTouch = 1e-3;  // of a gap: triangles that are so near are those that may cross
 constexpr double kFlat = 1e-3;   // of a gap: lower triangles turn over in single precision
@@ -226,7 +226,7 @@ class Parter {
     }
   }
 
-  /// Contact points of one direction are those of one face: their mean.
+  /// Contacts of one direction are one face, which surface_contacts() may have given as two: their mean.
   std::vector<Between> places_of_contacts(const Pair& pair) const {
     const auto found = contacts_.find({pair.a, pair.b});
     std::vector<Between> places;
