@@ -95,8 +95,10 @@ void check_needs_of_margin(const Case& c, const Settings& s) {
         w.where, w.wall.name);
   }
   if (s.gather == Gathering::area)
-    throw UsageError("{}: contact.margin = 0, but with contact.gather = \"area\" the margins are the elastic layer; give them a thickness",
-                     c.path);
+    throw UsageError("{}: with contact.gather = \"area\" the margins are the elastic layer, but {}", c.path,
+                     s.surface == TouchAt::drawn && !(c.margin_given && c.settings.margin == 0)
+                         ? "balls have margins only with contact.surface = \"outside\": give it"
+                         : "contact.margin = 0: give them a thickness");
   if (s.barrier > 0)
     throw UsageError(
         "{}: contact.barrier = {:g} needs margins: give contact.margin a value > 0; analytic spheres have margins only with "

@@ -302,6 +302,27 @@ TEST(Refusals, attraction_by_area_is_told_as_work_over_a_range) {
   says("adhesion = 500\nadhesion_range = 1e-4", {"10 MPa", "layer_modulus", "10 MPa"});
 }
 
+TEST(Refusals, balls_have_no_elastic_layer_where_they_touch_at_their_drawn_surface) {
+  std::string head = kHead;
+  const auto at = head.find("stiffness");
+  ASSERT_NE(at, std::string::npos);
+  head.replace(at, head.find('\n', at) - at, "layer_modulus = 1e7");
+  const std::string body = "[[bodies]]\nshape = \"ball\"\nmaterial = \"stone\"\nposition = [0, 0, 3]\n";
+  const auto says = [&](const std::string& keys, const std::string& part) {
+    try {
+      build_scene(parse_case(head + "[contact]\ngather = \"area\"\n" + keys + body, "case.toml", ""));
+    } catch (const UsageError& e) {
+      return expect_says(e.what(), {"gather = \"area\"", "elastic layer", part});
+    }
+    ADD_FAILURE() << keys;
+  };
+  says("margin = 0.001\n", "contact.surface = \"outside\"");
+  says("margin = 0.001\nsurface = \"drawn\"\n", "contact.surface = \"outside\"");
+  says("margin = 0\n", "contact.margin = 0");
+  EXPECT_NO_THROW(
+      build_scene(parse_case(head + "[contact]\ngather = \"area\"\nmargin = 0.001\nsurface = \"outside\"\n" + body, "case.toml", "")));
+}
+
 TEST(Refusals, attraction_goes_with_one_potential_and_without_cells) {
   const std::string keys = "pull_off = 1\nadhesion_range = 1e-4";
   expect_says(failure(sticky(keys, "[contact]\ngather = \"pairs\"\nmargin = 0.01\n"), ExitCode::usage),

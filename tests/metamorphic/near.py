@@ -66,9 +66,15 @@ def speed_of(run):
     return max(fastest, 0.01 * fall, 1e-3 * run.scene.size() / max(run.frames[-1].time, 1e-300))
 
 
+def spin_of(run, size, speed):
+    """An angular velocity that stands for the run [rad/s]: where bodies turn on the spot, its rounding has nothing to do with their speed."""
+    return max(speed / size, max(float(numpy.linalg.norm(frame.spin, axis=1).max(initial=0)) for frame in run.frames))
+
+
 def distances(run, other, back, size, speed):
     """Of each frame, how far `other` is from `run` once brought back: in sizes, speeds and turns; infinite where bodies are missing."""
     found = []
+    spin = spin_of(run, size, speed)
     for f, g in zip(run.frames, other.frames):
         g = back(g)
         if len(f.ids) != len(g["id"]) or (f.ids != g["id"]).any():
@@ -78,7 +84,7 @@ def distances(run, other, back, size, speed):
             found.append(0.0)
             continue
         d = [numpy.abs(f.position - g["position"]).max() / size, numpy.abs(f.velocity - g["velocity"]).max() / speed,
-             numpy.abs(f.spin - g["angular_velocity"]).max() * size / speed]
+             numpy.abs(f.spin - g["angular_velocity"]).max() / spin]
         if "quat" in g:
             d.append(numpy.minimum(numpy.abs(f.quat - g["quat"]).max(axis=1), numpy.abs(f.quat + g["quat"]).max(axis=1)).max())   # q and -q are one turn
         found.append(float(max(d)))
