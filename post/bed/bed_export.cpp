@@ -80,7 +80,7 @@ class BedExport {
       : run_(run),
         options_(options),
         frame_(Within::named(run, options.within).part_of(run, load_frame(run, find_frame(run, options.frame)))),
-        facts_(run, options.container ? options.container : placed_container(run, frame_), frame_),
+        facts_(run, options.container, frame_),
         view_(facts_, frame_) {
     if (view_.particles == 0)
       throw UsageError("--frame {}: no particle in frame {} (of {} s); choose another frame, or other bodies with --within", options.frame,
@@ -110,21 +110,6 @@ class BedExport {
   std::string path_of(const char* name) {
     result_.files.push_back(name);
     return options_.folder + "/" + name;
-  }
-  /// The container of a run whose wall has moved since the start, where it is in the frame; nothing where container_of() is right.
-  static std::optional<Region> placed_container(const Run& run, const Frame& frame) {
-    const std::vector<WallPlace> places = wall_places(frame, run.scene);
-    for (std::size_t w = 0; w < run.scene.walls.size(); ++w) {
-      const Wall& wall = run.scene.walls[w];
-      if (wall.kind != WallKind::box_inside && wall.kind != WallKind::cylinder_inside) continue;
-      const bool turned = !(places[w].orientation == Quat{}), moved = !(places[w].position == Vec3{});
-      if ((!turned && !moved) || (turned && wall.kind == WallKind::box_inside)) return std::nullopt;
-      Region region = inside_of(wall);
-      region.lower = places[w].position + rotate(places[w].orientation, region.lower);
-      region.upper = places[w].position + rotate(places[w].orientation, region.upper);
-      return region;
-    }
-    return std::nullopt;
   }
   void say(const std::string& line) { result_.summary += line + "\n"; }
 

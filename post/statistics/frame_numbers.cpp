@@ -155,6 +155,7 @@ StatisticsPlan::StatisticsPlan(const Run& the_run, const StatisticsOptions& the_
   within = Within::named(run, options.within);
   extent = extent_of_bodies(run, options.frames, within, options.pool, options.without);
   facts = std::make_unique<SceneFacts>(run, options.container, extent.box, extent.most);
+  note_turning_box();
   quantities = group_quantities(run.scene.settings.heat.has_value());
   add_groups();
   const int up = facts->container.vertical;
@@ -177,6 +178,17 @@ StatisticsPlan::StatisticsPlan(const Run& the_run, const StatisticsOptions& the_
   wall_turns = std::any_of(run.scene.walls.begin(), run.scene.walls.end(), [](const Wall& wall) { return own_axis(wall, 0).has_value(); });
   if (wall_turns) wall_quantities.push_back({"axis_torque", "N m", "on the wall, about the axis about which it or its surface turns"});
   wall_begin = table_begin(tables.size());
+}
+
+void StatisticsPlan::note_turning_box() {
+  if (facts->container.wall < 0 || facts->container.room.kind != Region::Kind::box) return;
+  const Wall& wall = run.scene.walls[static_cast<std::size_t>(facts->container.wall)];
+  const auto parts = wall.motion.parts();
+  if (std::none_of(parts.begin(), parts.end(), [](const WallMotion& part) { return part.turn_axis().has_value(); })) return;
+  gaps.emplace_back("solid_fraction",
+                    fmt::format("the box '{}' turns, and solid fractions and profiles take its room as it is at the start, without "
+                                "the turn; give the room with --container, or a part of it with --region",
+                                wall.name));
 }
 
 void StatisticsPlan::add_groups() {

@@ -47,6 +47,7 @@ struct StatisticsPlan {
   std::vector<double> numbers_of(const CountedFrame& counted) const;
 
  private:
+  void note_turning_box();
   void add_groups();
   void add_profiles(double low, double high);  // between these heights [m]
   void add_distributions(double diameter);     // [m]

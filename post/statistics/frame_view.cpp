@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "post/run/contact_network.hpp"
+#include "post/run/drawn_meshes.hpp"
 #include "post/run/run_bodies.hpp"
 #include "post/statistics/volume_samples.hpp"
 
@@ -37,7 +38,8 @@ Container container_of(const Scene& scene, const std::optional<Region>& given, c
       c.room.lower = room.lower;
       c.room.upper = room.upper;
     }
-    for (const Wall& wall : scene.walls) {
+    for (std::size_t w = 0; w < scene.walls.size(); ++w) {
+      const Wall& wall = scene.walls[w];
       if (wall.kind == WallKind::box_inside) {
         c.room.lower = wall.lower;
         c.room.upper = wall.upper;
@@ -49,6 +51,7 @@ Container container_of(const Scene& scene, const std::optional<Region>& given, c
       } else {
         continue;
       }
+      c.wall = static_cast<int>(w);
       break;
     }
     const Domain& domain = scene.settings.domain;
@@ -124,12 +127,40 @@ int SceneFacts::images_in(const Region& region, const Vec3& point) const {
 
 namespace {
 
-std::shared_ptr<const SceneFacts> facts_of_cell(const SceneFacts& facts, const Frame& frame) {
-  if (frame.cell.size() == 0) return nullptr;
+constexpr double kMoved = 1e-12;  // of where a wall reaches: a cylinder that turns about its own axis moves by roundings
+
+std::optional<WallPlace> place_of_container(const SceneFacts& facts, const Frame& frame) {
+  if (facts.container.wall < 0) return std::nullopt;
+  return wall_places(frame, facts.run->scene)[static_cast<std::size_t>(facts.container.wall)];
+}
+
+/// The container where its wall is in a frame; nothing where it is as at the start, or where no box along the axes is its inside.
+std::optional<Region> moved_container(const SceneFacts& facts, const Frame& frame) {
+  const std::optional<WallPlace> place = place_of_container(facts, frame);
+  if (!place || is_turned_box(facts, frame)) return std::nullopt;
+  const Region& start = facts.container.room;
+  Region room = start;
+  room.lower = place->position + rotate(place->orientation, start.lower);
+  room.upper = place->position + rotate(place->orientation, start.upper);
+  for (int k = 0; room.kind == Region::Kind::box && k < 3; ++k) {
+    if (!facts.run->scene.settings.domain.periodic[static_cast<std::size_t>(k)]) continue;
+    room.lower[k] = start.lower[k];
+    room.upper[k] = start.upper[k];
+  }
+  const double reach = std::max(length(start.lower), length(start.upper)) + start.radius;
+  if (length(room.lower - start.lower) <= kMoved * reach && length(room.upper - start.upper) <= kMoved * reach) return std::nullopt;
+  return room;
+}
+
+std::shared_ptr<const SceneFacts> facts_of_frame(const SceneFacts& facts, const Frame& frame) {
+  const std::optional<Region> moved = moved_container(facts, frame);
+  if (frame.cell.size() == 0 && !moved) return nullptr;
   auto own = std::make_shared<SceneFacts>(facts);
+  Region& room = own->container.room;
+  if (moved) room = *moved;
+  if (frame.cell.size() == 0) return own;
   own->period = periodicity_of(facts.run->scene, frame);
   own->cell_lower = frame.cell.lower[0];
-  Region& room = own->container.room;
   for (int k = 0; room.kind == Region::Kind::box && k < 3; ++k) {
     const Domain& start = facts.run->scene.settings.domain;
     if (room.lower[k] != start.lower[k] || room.upper[k] != start.upper[k]) continue;  // a part that was asked for
@@ -141,8 +172,13 @@ std::shared_ptr<const SceneFacts> facts_of_cell(const SceneFacts& facts, const F
 
 }  // namespace
 
+bool is_turned_box(const SceneFacts& facts, const Frame& frame) {
+  const std::optional<WallPlace> place = place_of_container(facts, frame);
+  return place && facts.container.room.kind == Region::Kind::box && !(place->orientation == Quat{});
+}
+
 FrameView::FrameView(const SceneFacts& the_facts, const Frame& the_frame)
-    : of_cell(facts_of_cell(the_facts, the_frame)), facts(of_cell ? *of_cell : the_facts), frame(the_frame) {
+    : of_frame(facts_of_frame(the_facts, the_frame)), facts(of_frame ? *of_frame : the_facts), frame(the_frame) {
   const FrameBodies& b = frame.bodies;
   const Scene& scene = facts.run->scene;
   const std::size_t n = b.size();

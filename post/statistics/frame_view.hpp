@@ -19,6 +19,7 @@ struct Container {
   Region room;       ///< box, along the vertical axis without an end, or cylinder
   int vertical = 2;  ///< axis (0 x, 1 y, 2 z)
   double up = 1;     ///< +1 or -1: direction of up along it
+  int wall = -1;     ///< of the scene's walls the one whose inside it is; -1: of none
 
   bool holds(Vec3 p) const {
     if (room.kind == Region::Kind::box) p[vertical] = room.lower[vertical];
@@ -84,7 +85,7 @@ struct SceneFacts {
 
 struct FrameView {
   FrameView(const SceneFacts& facts, const Frame& frame);
-  std::shared_ptr<const SceneFacts> of_cell;  ///< the facts where the periodic cell is that of the frame; else null
+  std::shared_ptr<const SceneFacts> of_frame;  ///< the facts where the cell or the wall around the container has moved; else null
   const SceneFacts& facts;
   const Frame& frame;
   std::vector<std::uint8_t> is_particle;   ///< by row of bodies: free to move
@@ -117,8 +118,11 @@ struct FrameView {
   }
 };
 
-/// The container of a scene: the box or cylinder wall when there is one, periodic sides where there are, else `room`, the box around the
-/// particles at all frames. Along gravity it is not cut.
+/// The container of a scene at its start: the box or cylinder wall when there is one, periodic sides where there are, else `room`, the box
+/// around the particles at all frames. Along gravity it is not cut. A FrameView has it where the wall is in its frame.
 Container container_of(const Scene& scene, const std::optional<Region>& given, const Box3& room);
+
+/// Whether the wall of the container is a box that is turned in a frame: its container stays the box at the start, without the turn.
+bool is_turned_box(const SceneFacts& facts, const Frame& frame);
 
 }  // namespace scree

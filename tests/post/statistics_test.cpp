@@ -120,6 +120,64 @@ TEST(ContactMeasures, a_cubic_lattice_has_the_neighbours_and_the_stress_of_its_w
   EXPECT_NEAR(lower.stress[0].x, m.stress[0].x * 36.0 / 30, 0.2 * m.stress[0].x) << "rows of balls are cut through their contacts along x";
 }
 
+// A container whose wall has moved is measured where the wall is in the frame, and not where it was at the start of the run.
+TEST(Container, is_where_its_wall_is_in_the_frame) {
+  constexpr int n = 4;
+  constexpr double d = 0.1;
+  const double balls = n * n * n * std::numbers::pi * d * d * d / 6, room = std::pow(n * d, 3);
+  Packing p(d / 2, {0, 0, 0}, {n * d, n * d, n * d}, {0, 0, 0});
+  p.fill_lattice(n, d, {1, 1, 1});
+  const auto fraction = [&] {
+    const SceneFacts facts(p.run, std::nullopt, p.frame);
+    const FrameView view(facts, p.frame);
+    const Profile profile_x = profile(view, {'x', 0, n * d, 1});
+    EXPECT_NEAR(view.room_between(0, n * d), room, 1e-12 * room);
+    return profile_x.solid_fraction[0];
+  };
+  const double at_rest = fraction();
+  EXPECT_NEAR(at_rest, balls / room, 0.06);  // of the heights that hold 10 % to 90 % of the solid
+  const Vec3 away{0, n * d, 0};
+  for (Vec3& x : p.frame.bodies.position) x += away;
+  p.frame.walls.id = {p.run.scene.walls.at(0).id};
+  p.frame.walls.position = {away};
+  p.frame.walls.orientation = {Quat{}};
+  EXPECT_NEAR(fraction(), at_rest, 1e-9);
+  const SceneFacts facts(p.run, std::nullopt, p.frame);
+  EXPECT_TRUE(FrameView(facts, p.frame).facts.container.holds(away + Vec3{d, d, d}));
+  EXPECT_FALSE(FrameView(facts, p.frame).facts.container.holds({d, d, d}));
+  // a container that was asked for stays where it was asked for
+  const SceneFacts given(p.run, parse_region("given=box:0,0,0,0.4,0.4,0.4"), p.frame);
+  EXPECT_TRUE(FrameView(given, p.frame).facts.container.holds({d, d, d}));
+  // a box that turns has no room along the axes
+  p.frame.walls.orientation = {Quat{std::sqrt(0.5), 0, 0, std::sqrt(0.5)}};
+  EXPECT_TRUE(is_turned_box(facts, p.frame));
+  EXPECT_TRUE(FrameView(facts, p.frame).facts.container.holds({d, d, d}));
+}
+
+TEST(Container, a_tube_that_was_lifted_and_tilted_is_measured_where_it_is) {
+  Packing p(0.05, {0, 0, 0}, {1, 1, 1}, {0, 0, 0});
+  Wall& tube = p.run.scene.walls.at(0);
+  tube.kind = WallKind::cylinder_inside;
+  tube.axis_start = {0, 0, 0};
+  tube.axis_end = {0, 0, 1};
+  tube.radius = 0.3;
+  p.add({0, 0, 0.5});
+  p.frame.walls.id = {tube.id};
+  p.frame.walls.position = {{2, 0, 0.5}};
+  p.frame.walls.orientation = {Quat{std::sqrt(0.5), 0, std::sqrt(0.5), 0}};  // z to x
+  const SceneFacts facts(p.run, std::nullopt, p.frame);
+  const FrameView view(facts, p.frame);
+  const Container& c = view.facts.container;
+  EXPECT_NEAR(length(c.room.lower - Vec3{2, 0, 0.5}), 0, 1e-12);
+  EXPECT_NEAR(length(c.room.upper - Vec3{3, 0, 0.5}), 0, 1e-12);
+  EXPECT_TRUE(c.holds({2.9, 0.2, 0.5}));
+  EXPECT_FALSE(c.holds({0, 0, 0.5}));
+  // turned about its own axis it is where it was
+  p.frame.walls.position = {{0, 0, 0}};
+  p.frame.walls.orientation = {Quat{std::cos(0.4), 0, 0, std::sin(0.4)}};
+  EXPECT_EQ(FrameView(facts, p.frame).of_frame, nullptr);
+}
+
 TEST(ContactMeasures, materials_share_the_stress_between_them) {
   Packing p(0.05, {0, 0, 0}, {0.2, 0.2, 0.2}, {0, 0, 0});
   p.fill_lattice(2, 0.1, {3, 2, 1});
