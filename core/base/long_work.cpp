@@ -16,9 +16,7 @@ namespace scree {
 
 namespace {
 
-constexpr double kRedrawInterval = 0.2;  ///< [s] on a terminal, as Progress has it
 constexpr double kLongestSilence = 600;  ///< [s] in a file, however slow the work is
-constexpr int kLinesInAFile = 20;        ///< one line per 5 %
 
 bool prints = false;
 int depth = 0;

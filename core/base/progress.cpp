@@ -10,9 +10,7 @@
 namespace scree {
 
 namespace {
-constexpr double kRedrawInterval = 0.2;  ///< [s] on a terminal; more often only costs time and flickers
-constexpr int kLinesInAFile = 20;        ///< one line per 5 %
-constexpr double kMaxInAFile = 600;      ///< [s] after which the next one comes at the latest
+constexpr double kMaxInAFile = 600;  ///< [s] after which the next one comes at the latest
 }  // namespace
 
 double progress_patience() {

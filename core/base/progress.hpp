@@ -10,6 +10,8 @@ namespace scree {
 
 /// [s] before work speaks, and between two lines in a file. The environment variable SCREE_PROGRESS_AFTER changes it.
 inline constexpr double kProgressAfter = 3;
+inline constexpr double kRedrawInterval = 0.2;  ///< [s] on a terminal; more often only costs time and flickers
+inline constexpr int kLinesInAFile = 20;        ///< one line per 5 %
 
 /// The same, with the environment variable.
 double progress_patience();

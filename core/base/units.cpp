@@ -4,12 +4,12 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 #include <string_view>
 #include <vector>
 
 #include "core/base/error.hpp"
 #include "core/base/nearest_name.hpp"
+#include "core/base/numbers.hpp"
 
 // A unit is a product of powers of symbols: "kg/m^3", "N m", "mm/s^2". Each symbol is a factor to SI and
 // five exponents. The radian counts as a dimension of its own, so that "120 Hz" given for a rotation rate
@@ -35,8 +35,6 @@ struct Symbol {
   Exponents exponents;
   bool takes_prefix;
 };
-
-constexpr double kPi = std::numbers::pi;
 
 constexpr std::array kSymbols{
     Symbol{"m", 1.0, {0, 1, 0, 0}, true},

@@ -54,4 +54,7 @@ double parse_quantity(const std::string& text, Dimension expected, const std::st
 /// "2.5 mm", "13 us", "1.2 MN/m": a value in the prefix that reads best, three or four digits.
 std::string format_quantity(double value, Dimension dimension);
 
+/// The same of a length.
+inline std::string metres(double value) { return format_quantity(value, Dimension::length); }
+
 }  // namespace scree

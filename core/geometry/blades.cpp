@@ -1,14 +1,12 @@
 #include "core/geometry/blades.hpp"
+#include "core/base/numbers.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace scree {
 
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 std::int32_t add(CrossSection& section, double r, double angle) {
   section.points.push_back({r * std::cos(angle), r * std::sin(angle)});

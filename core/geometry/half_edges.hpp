@@ -63,18 +63,19 @@ void for_each_edge(const std::vector<HalfEdge>& half, const Visit& visit) {
 
 /// Triangles of the same three vertices as an earlier one, in either winding; ascending.   Cost: O(T log T).
 inline std::vector<std::int32_t> duplicate_triangles(const TriangleMesh& mesh) {
-  struct Key {
+  struct SortedTriangle {
     Triangle sorted;
     std::int32_t triangle;
   };
-  std::vector<Key> keys;
+  std::vector<SortedTriangle> keys;
   keys.reserve(mesh.triangles.size());
   for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
     keys.push_back({mesh.triangles[static_cast<std::size_t>(t)], t});
     std::sort(keys.back().sorted.begin(), keys.back().sorted.end());
   }
-  std::sort(keys.begin(), keys.end(),
-            [](const Key& a, const Key& b) { return a.sorted != b.sorted ? a.sorted < b.sorted : a.triangle < b.triangle; });
+  std::sort(keys.begin(), keys.end(), [](const SortedTriangle& a, const SortedTriangle& b) {
+    return a.sorted != b.sorted ? a.sorted < b.sorted : a.triangle < b.triangle;
+  });
   std::vector<std::int32_t> found;
   for (std::size_t i = 1; i < keys.size(); ++i) {
     if (keys[i].sorted == keys[i - 1].sorted) found.push_back(keys[i].triangle);

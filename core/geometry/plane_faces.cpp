@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 
+#include "core/base/index.hpp"
 #include "core/geometry/polygon_moments.hpp"
 #include "core/geometry/polygons.hpp"
 
@@ -11,16 +12,16 @@ namespace scree {
 
 namespace {
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 using Ring = std::vector<std::int32_t>;
 
-struct Point {
+struct PlanePoint {
   double x = 0, y = 0;
 };
 
 /// Twice the area of the triangle, positive to the left.
-double turn(const Point& a, const Point& b, const Point& c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
+double turn_of(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c) {
+  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
 
 /// Every vertex of a rim has one edge that comes and one that goes, unless a plane passes through a vertex.
 std::optional<std::vector<Ring>> join_loops(const std::vector<std::pair<std::int32_t, std::int32_t>>& edges) {
@@ -49,25 +50,25 @@ class PlaneLoops {
  public:
   PlaneLoops(const std::vector<Vec3>& vertices, const Vec3& normal, const Vec3& origin) : vertices_(vertices), axes_(normal, origin) {}
 
-  Point place(std::int32_t v) const {
+  PlanePoint place(std::int32_t v) const {
     const Vec3 from = vertices_[at(v)] - axes_.origin;
     return {dot(axes_.u, from), dot(axes_.v, from)};
   }
 
   double area(const Ring& loop) const {
     double twice = 0;
-    const Point o = place(loop[0]);
-    for (std::size_t k = 1; k + 1 < loop.size(); ++k) twice += turn(o, place(loop[k]), place(loop[k + 1]));
+    const PlanePoint o = place(loop[0]);
+    for (std::size_t k = 1; k + 1 < loop.size(); ++k) twice += turn_of(o, place(loop[k]), place(loop[k + 1]));
     return 0.5 * twice;
   }
 
   bool holds(const Ring& loop, std::int32_t v) const {
-    const Point p = place(v);
+    const PlanePoint p = place(v);
     bool inside = false;
     for (std::size_t k = 0; k < loop.size(); ++k) {
-      const Point a = place(loop[k]), b = place(loop[(k + 1) % loop.size()]);
+      const PlanePoint a = place(loop[k]), b = place(loop[(k + 1) % loop.size()]);
       if ((a.y > p.y) == (b.y > p.y)) continue;
-      if ((turn(a, b, p) > 0) == (b.y > a.y)) inside = !inside;
+      if ((turn_of(a, b, p) > 0) == (b.y > a.y)) inside = !inside;
     }
     return inside;
   }
@@ -80,7 +81,7 @@ class PlaneLoops {
       for (std::size_t h = 0; h < holes.size(); ++h) {
         for (std::size_t j = 0; j < holes[h].size(); ++j) {
           for (std::size_t i = 0; i < ring.size(); ++i) {
-            const Point a = place(ring[i]), b = place(holes[h][j]);
+            const PlanePoint a = place(ring[i]), b = place(holes[h][j]);
             const double d2 = (b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y);
             if (d2 < shortest && opens_to(ring, i, b) && is_free(ring, holes, ring[i], holes[h][j]))
               shortest = d2, from = i, hole = h, to = j;
@@ -98,21 +99,21 @@ class PlaneLoops {
 
  private:
   /// Whether the way from vertex i of the ring to the point starts into the polygon.
-  bool opens_to(const Ring& ring, std::size_t i, const Point& to) const {
-    const Point before = place(ring[(i + ring.size() - 1) % ring.size()]), here = place(ring[i]),
-                after = place(ring[(i + 1) % ring.size()]);
-    const bool left_of_after = turn(here, after, to) > 0, right_of_before = turn(before, here, to) > 0;
-    return turn(before, here, after) > 0 ? left_of_after && right_of_before : left_of_after || right_of_before;
+  bool opens_to(const Ring& ring, std::size_t i, const PlanePoint& to) const {
+    const PlanePoint before = place(ring[(i + ring.size() - 1) % ring.size()]), here = place(ring[i]),
+                     after = place(ring[(i + 1) % ring.size()]);
+    const bool left_of_after = turn_of(here, after, to) > 0, right_of_before = turn_of(before, here, to) > 0;
+    return turn_of(before, here, after) > 0 ? left_of_after && right_of_before : left_of_after || right_of_before;
   }
 
   bool is_free(const Ring& ring, const std::vector<Ring>& holes, std::int32_t from, std::int32_t to) const {
-    const Point a = place(from), b = place(to);
+    const PlanePoint a = place(from), b = place(to);
     const auto crosses = [&](const Ring& loop) {
       for (std::size_t k = 0; k < loop.size(); ++k) {
         const std::int32_t first = loop[k], second = loop[(k + 1) % loop.size()];
         if (first == from || second == from || first == to || second == to) continue;
-        const Point c = place(first), d = place(second);
-        if (turn(a, b, c) * turn(a, b, d) <= 0 && turn(c, d, a) * turn(c, d, b) <= 0) return true;
+        const PlanePoint c = place(first), d = place(second);
+        if (turn_of(a, b, c) * turn_of(a, b, d) <= 0 && turn_of(c, d, a) * turn_of(c, d, b) <= 0) return true;
       }
       return false;
     };

@@ -10,6 +10,11 @@ Box3 bounding_box(const TriangleMesh& mesh) {
   return box;
 }
 
+double longest_extent(const TriangleMesh& mesh) {
+  const Vec3 e = bounding_box(mesh).extent();
+  return std::max({e.x, e.y, e.z});
+}
+
 double bounding_radius(const TriangleMesh& mesh) {
   double largest = 0;
   for (const Vec3& p : mesh.vertices) largest = std::max(largest, squared_length(p));

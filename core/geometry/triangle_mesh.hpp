@@ -44,6 +44,9 @@ struct Box3 {
 /// Bounding box of all vertices, in the mesh's own axes.   Cost: O(V).
 Box3 bounding_box(const TriangleMesh& mesh);
 
+/// The longest of the three extents of that box.   Cost: O(V).
+double longest_extent(const TriangleMesh& mesh);
+
 /// Radius of the smallest sphere about the origin that holds all vertices [m].   Cost: O(V).
 double bounding_radius(const TriangleMesh& mesh);
 

@@ -1,9 +1,9 @@
 #include "core/placing/region.hpp"
 
 #include <algorithm>
-#include <numbers>
 
 #include "core/base/error.hpp"
+#include "core/base/numbers.hpp"
 
 namespace scree {
 
@@ -56,7 +56,6 @@ bool draw_place(const Region& region, const BodyOrientation& asked, const Random
 }
 
 Region region_of(const Wall& wall) {
-  constexpr double kPi = std::numbers::pi;
   Region region;
   region.shape = wall;
   if (wall.kind == WallKind::box_inside) {

@@ -204,7 +204,7 @@ FrameContacts read_contacts(const h5::Group& root) {
   return c;
 }
 
-FrameBonds read_bonds(const h5::Group& root) {
+FrameBonds read_frame_bonds(const h5::Group& root) {
   FrameBonds b = read_columns<FrameBonds>(root);
   sort_rows(b, [&](std::size_t i, std::size_t j) { return b.bond[i] < b.bond[j]; });
   return b;
@@ -234,7 +234,7 @@ Frame read_frame_file(const std::string& path, FrameParts parts) {
   if (root.has("losses")) frame.losses = read_columns<FrameLosses>(root);
   if (root.has("impacts")) frame.impacts = read_columns<FrameImpacts>(root);
   frame.has_bonds = root.has("bonds");
-  if (frame.has_bonds) frame.bonds = read_bonds(root);
+  if (frame.has_bonds) frame.bonds = read_frame_bonds(root);
   frame.provenance = nlohmann::json::parse(root.read_text("provenance"), nullptr, false);
   return frame;
 }

@@ -32,6 +32,7 @@ struct InFile {
   /// was one, and means the default.
   bool always = false;
 };
+inline constexpr InFile kAlways{nullptr, true};
 
 /// What an entry states beside the value itself. Texts are those of CASE.md, with its marks.
 struct Key {

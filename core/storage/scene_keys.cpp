@@ -2,12 +2,6 @@
 
 namespace scree {
 
-namespace {
-
-constexpr InFile kAlways{nullptr, true};
-
-}  // namespace
-
 void run_keys(KeyVisitor& k, Settings& s) {
   k.text({"title", "name of the file", "for plots and reports", kAlways}, s.title);
   k.count({"seed", "", "of all random numbers", kAlways}, s.seed);

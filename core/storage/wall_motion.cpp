@@ -12,8 +12,6 @@ namespace scree {
 
 namespace {
 
-constexpr InFile kAlways{nullptr, true};
-
 double largest_lever(std::span<const Vec3> points, const Vec3& axis, const Vec3& centre) {
   double lever = 0;
   for (const Vec3& p : points) lever = std::max(lever, length(cross(axis, p - centre)));

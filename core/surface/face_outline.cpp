@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/index.hpp"
 #include "core/geometry/polygon_moments.hpp"
 
 namespace scree {
@@ -29,8 +30,6 @@ bool meet(const Point& a, const Point& b, const Point& c, const Point& d) {
          std::max(c.y, d.y) >= std::min(a.y, b.y) && !on_one_side(turn(a, b, c), turn(a, b, d)) &&
          !on_one_side(turn(c, d, a), turn(c, d, b));
 }
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 using Side = std::array<std::int32_t, 2>;
 

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/index.hpp"
 #include "core/distance/mesh_distance.hpp"
 #include "core/geometry/features.hpp"
 #include "core/geometry/half_edges.hpp"
@@ -147,7 +148,6 @@ class CornerJoiner {
     bool is_rigid() const { return corners.size() > 3; }
   };
 
-  static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
   std::size_t group(std::int32_t vertex) { return at(groups_.find(number_[at(vertex)])); }
   Vec3 way(std::int32_t vertex) {
     const auto i = static_cast<Eigen::Index>(3 * column_[group(vertex)]);

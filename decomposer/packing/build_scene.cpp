@@ -11,6 +11,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/near_file.hpp"
+#include "core/base/numbers.hpp"
 #include "core/base/units.hpp"
 #include "core/geometry/closed_mesh.hpp"
 #include "core/geometry/mass_properties.hpp"
@@ -530,7 +531,6 @@ class Builder {
 }  // namespace
 
 double container_volume(const Scene& scene) {
-  constexpr double kPi = std::numbers::pi;
   for (const Wall& w : scene.walls) {
     const Vec3 e = w.upper - w.lower;
     if (w.kind == WallKind::box_inside) return e.x * e.y * e.z;

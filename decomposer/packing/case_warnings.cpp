@@ -40,7 +40,6 @@ constexpr double kFlings = 10;         // of any other part that turns: that of 
 constexpr int kSeams = 4;              // edges around a hole that a missing triangle or two leave: an opening that is meant is rounder
 constexpr double kSmallOpening = 0.9;  // of the wall's length: above it is its border
 
-std::string metres(double value) { return format_quantity(value, Dimension::length); }
 std::string seconds(double value) { return format_quantity(value, Dimension::time); }
 
 void warn_of_materials(const Case& c, std::vector<std::string>& warnings) {

@@ -21,10 +21,10 @@ constexpr double kSlowestGrowth = 1e-4;  // of the scale: below, the packing is 
 // rest in a denser order, and grows again. Two such rounds took 260 balls from 0.627 to above 0.630; more add little.
 constexpr int kMaxRounds = 2;
 constexpr double kDrawnBack = 0.05, kMarginOfGap = 1.2;
-constexpr double kPressedShare = 0.5;     // of the margins, that one stage presses two bodies into each other
-constexpr double kTooDeep = 0.9;          // of the margins, at the end of a stage: the next one would not begin
-constexpr double kContactsPerStage = 60;  // duration of a stage, in durations of one contact
-constexpr double kRestitution = 0.2;      // of a stage: much damping, and no creeping as with none left
+constexpr double kPressedByStage = 0.5;    // of the margins, that one stage presses two bodies into each other
+constexpr double kTooDeep = 0.9;           // of the margins, at the end of a stage: the next one would not begin
+constexpr double kContactsPerStage = 60;   // duration of a stage, in durations of one contact
+constexpr double kStageRestitution = 0.2;  // of a stage: much damping, and no creeping as with none left
 
 class Compactor {
  public:
@@ -56,7 +56,7 @@ class Compactor {
     // deeper than any margin, and growth had to be as slow as a narrow margin allows: 400 stages in place of 30.
     const double placed = std::min(1.0, std::cbrt(kStartFraction * region.volume / volume_));
     place_small(placed);
-    double scale = placed < 1 ? placed / (1 + kFastestGrowth / kPressedShare) : 1;  // what finds room in its size need not grow
+    double scale = placed < 1 ? placed / (1 + kFastestGrowth / kPressedByStage) : 1;  // what finds room in its size need not grow
     double most = kFastestGrowth;
     int rounds = 0;
     LongWork work("compact", 1);
@@ -69,7 +69,7 @@ class Compactor {
       };
       progress_(0);
       const Placements before = placements_;
-      if (grow(next, std::max(case_margin(), wanted * next * largest_ / kPressedShare))) {
+      if (grow(next, std::max(case_margin(), wanted * next * largest_ / kPressedByStage))) {
         scale = next;
         most = std::min(kRecovery * most, kFastestGrowth);
         continue;
@@ -170,7 +170,7 @@ class Compactor {
         pair.a = a;
         pair.b = b;
         pair.stiffness = mass;  // a contact of the lightest body lasts about 2 s
-        pair.restitution = kRestitution;
+        pair.restitution = kStageRestitution;
         stage.pairs.push_back(pair);
       }
     }

@@ -14,8 +14,6 @@ namespace {
 // Places that are tried for a body: of a region of which a thousandth is free of walls, one is found nearly always.
 constexpr std::uint64_t kTries = 4000;
 
-std::string metres(double value) { return format_quantity(value, Dimension::length); }
-
 /// The largest body of one shape of an inlet, at places in its region.
 class Trial {
  public:

@@ -15,8 +15,6 @@ namespace scree {
 
 namespace {
 
-std::string metres(double value) { return format_quantity(value, Dimension::length); }
-
 /// Points that span a wall: where things can fall to, and what its rotation moves.
 std::vector<Vec3> wall_points(const SceneParts& parts, std::size_t i) {
   const Wall& w = parts.walls[i];

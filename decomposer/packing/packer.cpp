@@ -19,8 +19,6 @@ constexpr std::uint64_t kPlainDraws = 32;
 // Which of a particle's random numbers is what.
 constexpr std::uint64_t kOrientation = 0, kPlace = 3, kVoxel = 6;
 
-std::string metres(double value) { return format_quantity(value, Dimension::length); }
-
 }  // namespace
 
 Packer::Packer(const Case& c, const SceneParts& parts, Scene& scene, PackingReport& report)

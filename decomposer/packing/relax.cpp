@@ -94,7 +94,6 @@ class Relaxer {
   }
 
  private:
-  static std::string metres(double value) { return format_quantity(value, Dimension::length); }
   bool is_fixed(std::size_t i) const { return case_.bodies[i].fixed; }
   double inverse_mass(std::size_t i) const { return is_fixed(i) ? 0 : 1 / mass_[i]; }
   /// Two margins of a body; of a ball that touches where it is drawn, what it may be pressed in [m].

@@ -18,7 +18,7 @@ constexpr double kImpactOfDiameter = 0.1, kWeightOfDiameter = 0.02;
 constexpr double kLargestForce = 5;
 // A softer bed takes steps that are longer by the root of this and then has to be made stiff: below, it is not worth it.
 constexpr double kWorth = 16;
-constexpr double kSoftest = 1e-4;
+constexpr double kSoftestShare = 1e-4;
 constexpr double kRestitution = 0.1;
 
 bool is_known(ContactLaw law) { return law == ContactLaw::linear || law == ContactLaw::hunt_crossley || law == ContactLaw::hertz_mindlin; }
@@ -79,7 +79,7 @@ double softness_of_pouring(const Case& c, const SceneParts& parts, const Scene& 
   const double for_impacts = std::pow(report.impact_overlap / allowed(kImpactOfDiameter), power);
   const double for_weight =
       kLargestForce * load_of_bed(c, parts, scene, largest) / softest_force(c, scene, smallest, allowed(kWeightOfDiameter));
-  const double share = std::max({for_impacts, for_weight, kSoftest});
+  const double share = std::max({for_impacts, for_weight, kSoftestShare});
   return share * kWorth <= 1 ? share : 1;
 }
 

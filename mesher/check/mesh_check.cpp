@@ -8,6 +8,8 @@
 #include <numbers>
 #include <set>
 
+#include "core/base/counted.hpp"
+#include "core/base/index.hpp"
 #include "core/base/units.hpp"
 #include "core/geometry/half_edges.hpp"
 #include "core/surface/self_intersections.hpp"
@@ -16,11 +18,7 @@ namespace scree {
 
 namespace {
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 std::string text_of(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x, p.y, p.z); }
-
-std::string counted(std::int32_t count, const char* one, const char* many) { return fmt::format("{} {}", count, count == 1 ? one : many); }
 
 void list_place(std::vector<Vec3>& places, const Vec3& place) {
   if (places.size() < kListedPlaces) places.push_back(place);

@@ -24,13 +24,6 @@ namespace {
 
 constexpr std::int64_t kMaxTriangles = 20'000'000;
 
-std::string length_text(double x) { return format_quantity(x, Dimension::length); }
-
-double extent_of(const TriangleMesh& mesh) {
-  const Vec3 e = bounding_box(mesh).extent();
-  return std::max({e.x, e.y, e.z});
-}
-
 /// Rounding to single precision, about 6e-8 of a coordinate, is reported from this part of the extent on: the gaps that repair closes
 /// and check takes for none are smaller.
 constexpr double kReportedRounding = 1e-6;
@@ -41,7 +34,7 @@ std::string stl_loss(const TriangleMesh& mesh) {
   for (const Vec3& p : mesh.vertices) {
     for (int k = 0; k < 3; ++k) largest = std::max(largest, std::abs(p[k] - static_cast<double>(static_cast<float>(p[k]))));
   }
-  const double part = largest / extent_of(mesh);
+  const double part = largest / longest_extent(mesh);
   if (!(part > kReportedRounding)) return "";
   return fmt::format(
       "STL holds single precision, so that vertices of this mesh far from its origin moved by up to {:.2g} of its extent "
@@ -171,12 +164,12 @@ void write_edit_results(const std::string& what, const EditOptions& options, con
 
 double report_change(const TriangleMesh& before, bool surface, EditedMesh& edited, double enclosed) {
   const HausdorffDistance h = hausdorff_distance(before, edited.mesh);
-  const double extent = extent_of(before);
-  edited.steps.push_back(fmt::format(
-      "Hausdorff distance from the original between {} and {} ({:.3g} % of its extent), largest near ({:.4g}, {:.4g}, "
-      "{:.4g})",
-      length_text(h.lower()), length_text(h.upper()), 100 * h.upper() / extent, (h.forth.lower > h.back.lower ? h.forth : h.back).place.x,
-      (h.forth.lower > h.back.lower ? h.forth : h.back).place.y, (h.forth.lower > h.back.lower ? h.forth : h.back).place.z));
+  const double extent = longest_extent(before);
+  edited.steps.push_back(
+      fmt::format("Hausdorff distance from the original between {} and {} ({:.3g} % of its extent), largest near ({:.4g}, {:.4g}, "
+                  "{:.4g})",
+                  metres(h.lower()), metres(h.upper()), 100 * h.upper() / extent, (h.forth.lower > h.back.lower ? h.forth : h.back).place.x,
+                  (h.forth.lower > h.back.lower ? h.forth : h.back).place.y, (h.forth.lower > h.back.lower ? h.forth : h.back).place.z));
   edited.record["hausdorff_lower"] = h.lower();
   edited.record["hausdorff_upper"] = h.upper();
   const double area = surface_area(edited.mesh) / surface_area(before) - 1;
@@ -195,7 +188,7 @@ double report_change(const TriangleMesh& before, bool surface, EditedMesh& edite
   if (!(std::abs(a.volume) > 0)) return 0;
   const double volume = b.volume / a.volume - 1, inertia = inertia_change(a, b);
   edited.steps.push_back(fmt::format("volume changed by {:+.3g} %, inertia by {:.3g} %, centre of mass by {}", 100 * volume, 100 * inertia,
-                                     length_text(length(b.centre - a.centre))));
+                                     metres(length(b.centre - a.centre))));
   edited.record["volume_change"] = volume;
   edited.record["inertia_change"] = inertia;
   return volume;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/base/numbers.hpp"
 #include "core/base/units.hpp"
 #include "core/geometry/blades.hpp"
 #include "mesher/make/generate.hpp"
@@ -30,8 +31,7 @@ constexpr double kEdgePerRadius = 0.25;
 /// Default edge length of rounded edges: steps of at most an eighth of a circle, which leave out 8 % of the radius.
 constexpr double kEdgePerRounding = 0.25 * std::numbers::pi;
 /// Most triangles that a generated shape may have, by estimate from its area.
-constexpr double kMaxTriangles = 5e6;
-constexpr double kPi = std::numbers::pi;
+constexpr double kMostGenerated = 5e6;
 
 std::vector<std::string> split(const std::string& text, std::size_t count, const char* option) {
   std::vector<std::string> parts{""};
@@ -53,9 +53,9 @@ Vec3 size_of(const std::string& text) {
 }
 
 void check_triangle_count(double triangles, double edge_length) {
-  if (triangles > kMaxTriangles) {
+  if (triangles > kMostGenerated) {
     throw UsageError("--edge-length: {:.3g} m would make about {:.2g} triangles, more than {:g}; give a larger one", edge_length, triangles,
-                     kMaxTriangles);
+                     kMostGenerated);
   }
 }
 

@@ -14,8 +14,6 @@ namespace scree {
 
 namespace {
 
-std::string length_text(double x) { return format_quantity(x, Dimension::length); }
-
 const char* kind_name(ShapeKind kind) { return kind == ShapeKind::solid ? "solid" : (kind == ShapeKind::surface ? "surface" : "sphere"); }
 
 std::string verdict_text(const Shape& shape) {
@@ -79,8 +77,8 @@ CommandResult info_command(const InfoOptions& options) {
     text +=
         fmt::format("{:<{}}  {:<7} {:>8} {:>9} {:>8} {:>8} {:>13} {:>10} {:>10} {:>13.6g}  {}\n", shape.name, widest, kind_name(shape.kind),
                     shape.mesh.vertex_count(), shape.mesh.triangle_count(), features.corners.size(), features.edges.size(),
-                    has_mass ? fmt::format("{:.6g}", shape.mass.volume) : "-", has_mass ? length_text(shape.equivalent_diameter()) : "-",
-                    length_text(shape.bounding_radius()), shape.area, has_mass ? fmt::format("{:.6g} {:.6g} {:.6g}", p.x, p.y, p.z) : "-");
+                    has_mass ? fmt::format("{:.6g}", shape.mass.volume) : "-", has_mass ? metres(shape.equivalent_diameter()) : "-",
+                    metres(shape.bounding_radius()), shape.area, has_mass ? fmt::format("{:.6g} {:.6g} {:.6g}", p.x, p.y, p.z) : "-");
   }
   text += "check\n";
   for (const Shape& shape : file.shapes) text += fmt::format("  {:<{}}  {}\n", shape.name, widest, verdict_text(shape));

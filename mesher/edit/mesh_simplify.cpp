@@ -9,6 +9,7 @@
 #include <queue>
 #include <vector>
 
+#include "core/base/index.hpp"
 #include "core/base/long_work.hpp"
 #include "core/geometry/half_edges.hpp"
 #include "mesher/repair/mesh_repair.hpp"
@@ -16,8 +17,6 @@
 namespace scree {
 
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Weight of the distance from the edge's middle against that from the planes: decides only where planes do not, as
 /// within flat regions, and keeps the system solvable there.

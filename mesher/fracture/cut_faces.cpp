@@ -1,13 +1,12 @@
 #include "mesher/fracture/cut_faces.hpp"
 
+#include "core/base/index.hpp"
 #include "core/geometry/plane_faces.hpp"
 #include "core/geometry/polygon_moments.hpp"
 
 namespace scree {
 
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 using Ring = std::vector<std::int32_t>;
 

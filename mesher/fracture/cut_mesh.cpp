@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/base/error.hpp"
+#include "core/base/index.hpp"
 #include "core/base/long_work.hpp"
 #include "core/geometry/plane_faces.hpp"
 #include "mesher/fracture/cut_faces.hpp"
@@ -13,8 +14,6 @@
 namespace scree {
 
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 using Line = std::array<std::int32_t, 3>;    ///< three cells that meet along it, ascending
 using Corner = std::array<std::int32_t, 4>;  ///< four cells (or sides of the box) that meet in it, ascending

@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "core/base/error.hpp"
+#include "core/base/index.hpp"
 #include "core/placing/random_numbers.hpp"
 #include "mesher/check/mesh_check.hpp"
 #include "mesher/fracture/cut_faces.hpp"
@@ -20,8 +21,6 @@
 namespace scree {
 
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Cuts that are tried with generators moved by a few parts of Generators::kGrid, before the body is refused. One is enough for points
 /// at random; two for points that a user has laid in a pattern, whose planes meet in more than they should.

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "core/base/error.hpp"
+#include "core/base/numbers.hpp"
 #include "core/geometry/mesh_refine.hpp"
 #include "mesher/edit/convex_hull.hpp"
 
@@ -13,17 +13,15 @@ namespace scree {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// A ring of vertices or a single point, from which strips of triangles are sewn.
-struct Ring {
+struct VertexRing {
   std::int32_t first = 0, count = 1;
   std::int32_t at(std::int32_t i) const { return first + (count == 1 ? 0 : i % count); }
 };
 
 /// Triangles between two rings of equal count (or a point), outward when `below` comes first along the axis and rings run
 /// counter-clockwise seen from its end.
-void sew(TriangleMesh& mesh, const Ring& below, const Ring& above) {
+void sew(TriangleMesh& mesh, const VertexRing& below, const VertexRing& above) {
   const std::int32_t n = std::max(below.count, above.count);
   for (std::int32_t i = 0; i < n; ++i) {
     if (below.count > 1) mesh.triangles.push_back({below.at(i), below.at(i + 1), above.at(i)});
@@ -31,7 +29,7 @@ void sew(TriangleMesh& mesh, const Ring& below, const Ring& above) {
   }
 }
 
-Ring add_point(TriangleMesh& mesh, const Vec3& p) {
+VertexRing add_point(TriangleMesh& mesh, const Vec3& p) {
   mesh.vertices.push_back(p);
   return {mesh.vertex_count() - 1, 1};
 }
@@ -111,10 +109,10 @@ TriangleMesh torus(double ring, double tube, int n, int m) {
 
 TriangleMesh revolved(const std::vector<std::array<double, 2>>& profile, int sectors) {
   TriangleMesh mesh;
-  Ring last;
+  VertexRing last;
   bool is_first = true;
   const auto add = [&](double r, double z) {
-    Ring ring;
+    VertexRing ring;
     if (r > 0) {
       ring = {mesh.vertex_count(), sectors};
       for (int i = 0; i < sectors; ++i) {
@@ -174,14 +172,14 @@ TriangleMesh rod(const std::vector<Vec3>& path, double radius, int sectors) {
   // a frame carried along the path without twist
   Vec3 tangent = normalised(path[1] - path[0]);
   Vec3 u = std::abs(tangent.x) < 0.9 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
-  Ring last = add_point(mesh, path.front());
+  VertexRing last = add_point(mesh, path.front());
   for (std::size_t i = 0; i < path.size(); ++i) {
     const Vec3 before = i == 0 ? tangent : normalised(path[i] - path[i - 1]);
     const Vec3 after = i + 1 == path.size() ? before : normalised(path[i + 1] - path[i]);
     const Vec3 n = normalised(before + after);  // of the mitre plane, at which both pieces end
     u = normalised(u - dot(u, before) * before);
     const Vec3 v = cross(before, u);
-    Ring ring{mesh.vertex_count(), sectors};
+    VertexRing ring{mesh.vertex_count(), sectors};
     for (int k = 0; k < sectors; ++k) {
       const double a = 2 * kPi * k / sectors;
       const Vec3 d = radius * (std::cos(a) * u + std::sin(a) * v);

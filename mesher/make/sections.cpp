@@ -1,14 +1,12 @@
 #include "mesher/make/sections.hpp"
+#include "core/base/numbers.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace scree {
 
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 std::int32_t add(CrossSection& section, double r, double angle, double x = 0, double y = 0) {
   section.points.push_back({x + r * std::cos(angle), y + r * std::sin(angle)});

@@ -5,6 +5,7 @@
 #include <set>
 #include <vector>
 
+#include "core/base/index.hpp"
 #include "core/base/long_work.hpp"
 #include "core/geometry/half_edges.hpp"
 #include "mesher/repair/heal_mesh.hpp"
@@ -12,8 +13,6 @@
 namespace scree {
 
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 using Loop = std::vector<std::int32_t>;
 using EdgeSet = std::set<std::pair<std::int32_t, std::int32_t>>;

@@ -8,6 +8,8 @@
 #include <numbers>
 #include <unordered_map>
 
+#include "core/base/counted.hpp"
+#include "core/base/index.hpp"
 #include "core/geometry/half_edges.hpp"
 #include "core/surface/self_intersections.hpp"
 #include "mesher/check/mesh_check.hpp"
@@ -21,15 +23,6 @@ namespace {
 constexpr int kCrossingRounds = 6;
 /// Share of the triangles that resolving self-intersections may remove in a round; more would be a guess of the shape.
 constexpr double kMaxRemoved = 0.1;
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-
-double extent_of(const TriangleMesh& mesh) {
-  const Vec3 e = bounding_box(mesh).extent();
-  return std::max({e.x, e.y, e.z});
-}
-
-std::string counted(std::int64_t count, const char* one, const char* many) { return fmt::format("{} {}", count, count == 1 ? one : many); }
 
 std::vector<char> border_vertices(const TriangleMesh& mesh) {
   std::vector<char> on_border(mesh.vertices.size(), 0);
@@ -374,7 +367,7 @@ std::vector<TriangleMesh> components_of(const TriangleMesh& mesh) {
 }
 
 double heal_mesh(TriangleMesh& mesh, const HealOptions& options, std::vector<std::string>& steps) {
-  const double extent = extent_of(mesh);
+  const double extent = longest_extent(mesh);
   const auto clean_after = [&] {
     for (const std::string& sentence : clean_mesh(mesh, false).sentences()) steps.push_back(sentence);
   };

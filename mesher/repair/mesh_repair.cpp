@@ -7,14 +7,13 @@
 #include <numeric>
 #include <set>
 
+#include "core/base/index.hpp"
 #include "core/geometry/half_edges.hpp"
 #include "mesher/check/mesh_check.hpp"
 
 namespace scree {
 
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 bool has_repeated_vertex(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 

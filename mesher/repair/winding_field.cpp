@@ -9,7 +9,7 @@ namespace scree {
 namespace {
 
 /// A group counts as one when it is further away than this many of its radii: 2 keeps the error near one percent.
-constexpr double kFar = 2;
+constexpr double kFarNode = 2;
 constexpr std::int32_t kLeaf = 8;
 
 std::size_t at_index(std::int32_t i) { return static_cast<std::size_t>(i); }
@@ -71,7 +71,7 @@ double WindingField::at(const Vec3& point) const {
     const Node& node = nodes_[at_index(n)];
     const Vec3 d = node.centre - point;
     const double distance = length(d);
-    if (distance > kFar * node.radius) {
+    if (distance > kFarNode * node.radius) {
       angle += dot(node.area, d) / (distance * distance * distance);
       n = node.skip;
       continue;

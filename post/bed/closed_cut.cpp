@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/index.hpp"
 #include "core/geometry/half_edges.hpp"
 #include "core/geometry/plane_faces.hpp"
 
@@ -22,7 +23,6 @@ namespace {
 using Index = std::int32_t;
 using Edge = std::pair<Index, Index>;
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 constexpr Index next(Index k) { return (k + 1) % 3; }
 
 class Cutter {

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/index.hpp"
 #include "core/base/long_work.hpp"
 #include "core/distance/mesh_distance.hpp"
 #include "core/geometry/mass_properties.hpp"
@@ -20,11 +21,10 @@ namespace scree {
 namespace {
 
 using Index = std::int32_t;
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-constexpr double kEnough = 0.5;         // of a gap: pairs that are so far apart stay as they are, which saves half of all cuts
-constexpr double kDeepest = 0.1;        // of a diameter: beds overlap by a hundredth or less; what is deeper is a hollow surface
-constexpr double kOneDirection = 0.98;  // cosine of 11 degrees: contact points of one face
+constexpr double kEnough = 0.5;    // of a gap: pairs that are so far apart stay as they are, which saves half of all cuts
+constexpr double kDeepest = 0.1;   // of a diameter: beds overlap by a hundredth or less; what is deeper is a hollow surface
+constexpr double kOneFace = 0.98;  // cosine of 11 degrees: contact points of one face
 // of a gap: no edge of a cap is shorter; a hundred times what single precision moves in a bed of a hundred diameters
 constexpr double kSnap = 1e-2;
 constexpr double kAside = 0.03;  // of a gap: by so much a plane moves that meets a vertex or a rim of several loops
@@ -239,7 +239,7 @@ class Parter {
       for (std::size_t j = i; j < used.size(); ++j) {
         const BedContact& c = found->second[j];
         // a point of b across a periodic side is given near b or near a: the image near a is meant
-        if (used[j] || dot(c.normal, found->second[i].normal) < kOneDirection) continue;
+        if (used[j] || dot(c.normal, found->second[i].normal) < kOneFace) continue;
         used[j] = true;
         point += near_a(pair, c.point);
         normal += c.normal;

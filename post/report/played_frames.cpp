@@ -27,7 +27,7 @@ void append(std::string& bytes, const T* values, std::size_t count) {
   if (count > 0) bytes.append(reinterpret_cast<const char*>(values), count * sizeof(T));
 }
 
-std::string bytes_of(const PlayedFrame& frame) {
+std::string bytes_of_frame(const PlayedFrame& frame) {
   const Header header{frame.number, frame.time, frame.room, frame.bodies.size(), frame.walls.size()};
   std::string bytes;
   append(bytes, &header, 1);
@@ -134,7 +134,7 @@ PlayedRun read_played_frames(const Run& run, std::size_t chosen, const Within& w
   };
   if (frames.size() > 1)
     played.skipped = for_each_frame(
-                         frames, pool, [&](std::size_t f) { return bytes_of(read_frame(run, f, within)); }, add)
+                         frames, pool, [&](std::size_t f) { return bytes_of_frame(read_frame(run, f, within)); }, add)
                          .skipped;
   if (played.frames.size() < 2) played.frames.clear();  // the others are damaged
   if (played.room.is_empty()) played.room = room_of({}, run.scene);

@@ -3,17 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <set>
 
 #include "core/base/error.hpp"
+#include "core/base/numbers.hpp"
 #include "post/run/event_table.hpp"
 
 namespace scree {
 
-namespace {
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-}
+namespace {}
 
 RunBodies::RunBodies(const Run& run) {
   add_scene(run.scene);

@@ -1,14 +1,13 @@
 #include "post/statistics/bed.hpp"
+#include "core/base/numbers.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace scree {
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kColumnWidth = 2;    // mean diameters: narrower and single particles make the surface rough
 constexpr int kMaxColumns = 64;       // along an axis: bounds the memory, and so many are fine enough for any surface
 constexpr std::size_t kLevels = 256;  // of the histogram of a column; places between are interpolated

@@ -6,12 +6,11 @@
 #include <limits>
 
 #include "core/base/error.hpp"
+#include "core/base/numbers.hpp"
 
 namespace scree {
 
-namespace {
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-}
+namespace {}
 
 double student_95(std::size_t degrees_of_freedom) {
   if (degrees_of_freedom == 0) return kNaN;

@@ -3,19 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <unordered_map>
 
 #include "core/base/error.hpp"
+#include "core/base/numbers.hpp"
 #include "post/run/event_table.hpp"
 
 namespace scree {
 
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// An interval is to hold so many bodies on average, such that its rate is no noise; and a chart has room for so many intervals.
 constexpr std::size_t kBodiesInInterval = 10, kMaxIntervals = 200, kMinIntervals = 5;

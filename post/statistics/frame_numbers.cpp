@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 
 #include "core/base/error.hpp"
+#include "core/base/numbers.hpp"
 #include "core/base/units.hpp"
 #include "core/storage/wall_axis.hpp"
 #include "post/run/event_table.hpp"
@@ -16,7 +16,6 @@ namespace scree {
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kForceBins = 40, kShells = 80, kChainLengths = 18;
 constexpr double kLargestForce = 8;  // over the mean: what lies above is one in thousands
 constexpr double kPairReach = 4;     // mean diameters

@@ -1,4 +1,5 @@
 #include "post/statistics/space_measures.hpp"
+#include "core/base/numbers.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -11,7 +12,6 @@ namespace scree {
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 int axis_index(char axis) { return axis - 'x'; }

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "core/base/csv.hpp"
 #include "core/base/error.hpp"
+#include "core/base/numbers.hpp"
 #include "core/base/utf8.hpp"
 #include "core/storage/h5.hpp"
 #include "post/run/output_file.hpp"
@@ -19,7 +19,6 @@ namespace scree {
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kSeriesLength = 600;  // points of a chart; a longer run is drawn by every n-th frame
 
 /// A number as it stands in a table: empty where there is none.

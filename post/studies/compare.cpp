@@ -13,6 +13,7 @@
 
 #include "core/base/csv.hpp"
 #include "core/base/error.hpp"
+#include "core/base/numbers.hpp"
 #include "core/base/utf8.hpp"
 #include "core/storage/h5.hpp"
 #include "post/run/choice.hpp"
@@ -25,7 +26,6 @@ namespace scree {
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kSameTime = 0.01;    // of the interval between frames
 constexpr double kStillSmall = 1e-2;  // rms over the diameter: beyond it bodies meet others, and growth is no longer exponential
 

@@ -21,7 +21,7 @@ namespace {
 
 /// Columns that say what was chosen: words make lines, numbers make points along a line.
 constexpr std::array<const char*, 8> kWords{"integrator", "law", "ttd", "precision", "isa", "compiler", "ranks", "threads"};
-constexpr std::array<const char*, 4> kNumbers{"steps_per_contact", "step", "margin", "triangles"};
+constexpr std::array<const char*, 4> kSettingNumbers{"steps_per_contact", "step", "margin", "triangles"};
 
 struct ErrorColumn {
   const char *name, *unit, *text;
@@ -152,7 +152,7 @@ Varied varied_in(const std::vector<Row>& rows) {
   for (const char* column : kWords) {
     if (varies(column)) varied.words.emplace_back(column);
   }
-  for (const char* column : kNumbers) {
+  for (const char* column : kSettingNumbers) {
     if (varies(column)) varied.numbers.emplace_back(column);
   }
   return varied;

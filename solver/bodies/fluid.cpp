@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/base/numbers.hpp"
 #include "solver/built_with.hpp"
 
 namespace scree {
 
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// (1 - exp(-z)) / z, z > 0: the mean of exp(-z s) over s from 0 to 1.
 double mean_decay(double z) { return -std::expm1(-z) / z; }

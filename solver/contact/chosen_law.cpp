@@ -15,7 +15,7 @@ namespace {
 static_assert(kNorm == 8, "power7 and the roots of the models are written for the eighth norm");
 
 /// What a thread keeps from pair to pair, so that nothing is allocated for each.
-struct Workspace {
+struct LawWorkspace {
   FeatureForces forces;
   std::vector<FrictionSpring> springs;
 };
@@ -173,7 +173,7 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
     // what started from a run, of materials that are elastic now, has no dent
     if (law.unloading_ratio > 1) law_of_overlap.dent = dent_of(springs);
   }
-  thread_local Workspace work;
+  thread_local LawWorkspace work;
   FeatureForces& forces = work.forces;
   forces.push.assign(count, 0);
   forces.push_per_overlap.assign(count, 0);

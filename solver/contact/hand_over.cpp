@@ -15,7 +15,7 @@ struct Possible {
 };
 
 /// A thread's lists, so that nothing is allocated for each pair.
-struct Workspace {
+struct HandOverWorkspace {
   std::vector<std::size_t> features, springs;  // without one of the same key
   std::vector<Possible> possible;
   std::vector<HandedOver> handed_over;
@@ -25,7 +25,7 @@ struct Workspace {
 
 const std::vector<HandedOver>& find_handed_over(const std::vector<ContactFeature>& features, const std::vector<double>* push,
                                                 const std::vector<FrictionSpring>& springs, const MeanTurn& turned) {
-  thread_local Workspace work;
+  thread_local HandOverWorkspace work;
   work.features.clear();
   work.springs.clear();
   work.possible.clear();

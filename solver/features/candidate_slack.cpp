@@ -16,7 +16,7 @@ constexpr double kMinSine2 = 1e-4;  // of edges about which something is said: s
 // between them, 1 - 2 kFadeWedge^2, rounded down. Only knife edges of less than 26 degrees are above it.
 constexpr double kFoldSeen = 0.9;
 static_assert(kFoldSeen < 1 - 2 * kFadeWedge * kFadeWedge);
-constexpr double kRounding = 1 - 1e-6;  // of the slack, and absolute of a lean: far above the rounding of what decides on a feature
+constexpr double kSlackRounding = 1 - 1e-6;  // of the slack, and absolute of a lean: far above the rounding of what decides on a feature
 
 }  // namespace
 
@@ -25,7 +25,7 @@ double slack_of_ends(const EdgeLines& e, double s, double t, double margin, doub
   const auto beyond = [](double parameter) { return std::max({-parameter, parameter - 1, 0.0}); };
   const double away = std::max(beyond(s) * std::sqrt(e.uu), beyond(t) * std::sqrt(e.vv));
   const double cosine = std::sqrt(std::max(0.0, 1 - e.sine2));
-  return kRounding * away * (1 - cosine) / (1 + margin / size);
+  return kSlackRounding * away * (1 - cosine) / (1 + margin / size);
 }
 
 double slack_of_side(const PairBody& a, const PairBody& b, const RelativePose& pose, std::int32_t edge_a, std::int32_t edge_b,
@@ -44,7 +44,7 @@ double slack_of_side(const PairBody& a, const PairBody& b, const RelativePose& p
     const double near = dot(from - start, direction);
     return std::min(near, near + dot(along, direction)) / size;
   };
-  return kRounding * std::max({0.0, beyond(true, e.pa, e.pb, e.v), beyond(false, e.pb, e.pa, e.u)});
+  return kSlackRounding * std::max({0.0, beyond(true, e.pa, e.pb, e.v), beyond(false, e.pb, e.pa, e.u)});
 }
 
 double slack_of_wedge(const PairBody& a, const PairBody& b, const RelativePose& pose, std::int32_t edge_a, std::int32_t edge_b,
@@ -62,7 +62,7 @@ double slack_of_wedge(const PairBody& a, const PairBody& b, const RelativePose& 
     if (!shape.has_height(edge, i & 1)) continue;
     const Vec3 conormal = shape.edge_conormal(edge, i & 1);
     const double out = of_a ? -dot(n, conormal) : dot(n, pose.rotation * conormal);
-    const double too_far = std::abs(out) - kFadeWedge - (1 - kRounding);
+    const double too_far = std::abs(out) - kFadeWedge - (1 - kSlackRounding);
     double& slack = of_wedge[out > 0 ? 0 : 1];
     slack = std::max(slack, too_far / per_motion);
   }
@@ -70,7 +70,7 @@ double slack_of_wedge(const PairBody& a, const PairBody& b, const RelativePose& 
   const double height = dot(e.r0, n);
   const double of_passing = std::min(enough, std::abs(height) / (1 + (margin + enough) / most));
   const double of_this = of_wedge[height > 0 ? 0 : 1], of_other = std::max(of_wedge[height > 0 ? 1 : 0], of_passing);
-  return kRounding * std::min({of_this, of_other, most});
+  return kSlackRounding * std::min({of_this, of_other, most});
 }
 
 }  // namespace scree

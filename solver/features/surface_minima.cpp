@@ -31,7 +31,7 @@ struct Foot {
   std::int64_t place = 0;
 };
 
-struct Workspace {
+struct MinimaWorkspace {
   std::vector<Foot> minima, screens;
   std::vector<double> visible;  // v_i
   std::vector<Vec3> visible_gradient;
@@ -127,7 +127,7 @@ void set_kind(const SolverShape& shape, const std::vector<NearTriangle>& near, i
 bool same_place(const Foot& a, const Foot& b) { return squared_length(a.q - b.q) < kSameFoot * kSameFoot * b.squared; }
 
 /// Minima and screens among the feet of the near triangles.
-void find_feet(const SolverShape& shape, const Vec3& p, const std::vector<NearTriangle>& near, double within, Workspace& work) {
+void find_feet(const SolverShape& shape, const Vec3& p, const std::vector<NearTriangle>& near, double within, MinimaWorkspace& work) {
   work.minima.clear();
   work.screens.clear();
   for (std::size_t i = 0; i < near.size(); ++i) {
@@ -206,7 +206,7 @@ double visibility(const Foot& f, const std::vector<Foot>& screens, Vec3& gradien
 }
 
 /// Weights of the minima. Those that have none are left out.
-void weigh_minima(Workspace& work, double reach, double sharing, std::vector<SurfaceMinimum>& minima) {
+void weigh_minima(MinimaWorkspace& work, double reach, double sharing, std::vector<SurfaceMinimum>& minima) {
   const std::vector<Foot>& feet = work.minima;
   const std::size_t count = feet.size();
   work.visible.resize(count);
@@ -267,7 +267,7 @@ void find_minima(const SolverShape& shape, const Vec3& p, const std::vector<Near
     if (near[n].squared < near[nearest].squared) nearest = n;
   const double squared = near[nearest].squared, within = reach + sharing;
   if (!(squared < reach * reach) || !(squared > 0)) return;
-  thread_local Workspace work;
+  thread_local MinimaWorkspace work;
   const bool one_place =
       shape.is_convex || std::all_of(near.begin(), near.end(), [&](const NearTriangle& other) {
         return !(other.squared < within * within) || squared_length(other.foot - near[nearest].foot) < kSameFoot * kSameFoot * squared;

@@ -5,12 +5,11 @@
 #include <unordered_map>
 
 #include "core/base/error.hpp"
+#include "core/base/index.hpp"
 
 namespace scree {
 
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// What two bodies meet in a motion with respect to each other: their masses or moments in series; 0 has the other infinite.
 double in_series(double inverse_a, double inverse_b) { return inverse_a + inverse_b > 0 ? 1 / (inverse_a + inverse_b) : 0; }

@@ -1,4 +1,5 @@
 #include "solver/neighbours/fragment_masses.hpp"
+#include "core/base/index.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,8 +7,6 @@
 namespace scree {
 
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Inverse of a symmetric matrix with a determinant above 0.
 Mat3 inverse_of(const Mat3& m) {

@@ -4,7 +4,7 @@ namespace scree {
 
 namespace {
 
-constexpr double kRounding = 1 + 1e-9;  // far above that of the sums below
+constexpr double kSumRounding = 1 + 1e-9;  // far above that of the sums below
 
 /// Places go with a cell that deforms, and ways grow by what its stretch does to a branch.   in   begin, end   rows
 void carry_listed_places(const Cell& cell, double branch, std::size_t begin, std::size_t end, std::vector<Vec3>& x,
@@ -13,7 +13,7 @@ void carry_listed_places(const Cell& cell, double branch, std::size_t begin, std
 #pragma omp parallel for schedule(static)
   for (std::size_t i = begin; i < end; ++i) {
     x[i] = cell.carried(x[i]);
-    way[i] += kRounding * 0.5 * cell.growth().largest_stretch() * branch;
+    way[i] += kSumRounding * 0.5 * cell.growth().largest_stretch() * branch;
   }
 }
 
@@ -42,13 +42,13 @@ void TravelBounds::add_motion(const ParticleSet& p, std::size_t i) {
   if (const Periodicity& periodicity = p.cell.periodicity(); periodicity.any()) shift = periodicity.nearest(shift);
   x_[i] = p.x[i];
   if (p.ball_radius[i] > 0) {  // as it turns, its surface stays where it is
-    way_[i] += kRounding * length(shift);
+    way_[i] += kSumRounding * length(shift);
     return;
   }
   // A point at R from the centre moves by 2 R sin(angle / 2), two unit quaternions differ by 2 sin(angle / 4).
   const Quat &q = p.q[i], &old = q_[i];
   const double w = q.w - old.w, x = q.x - old.x, y = q.y - old.y, z = q.z - old.z;
-  way_[i] += kRounding * (length(shift) + 2 * p.radius[i] * std::sqrt(w * w + x * x + y * y + z * z));
+  way_[i] += kSumRounding * (length(shift) + 2 * p.radius[i] * std::sqrt(w * w + x * x + y * y + z * z));
   q_[i] = q;
 }
 

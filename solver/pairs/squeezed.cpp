@@ -6,14 +6,13 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/index.hpp"
 #include "core/base/units.hpp"
 #include "core/distance/mesh_distance.hpp"
 
 namespace scree {
 
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// A zone of a wall that a body touches.
 struct Touched {

@@ -8,9 +8,9 @@ namespace scree {
 
 namespace {
 
-constexpr double kRounding = 1e-9;  // relative: a scale from a computed diameter is that of the case
+constexpr double kScaleRounding = 1e-9;  // relative: a scale from a computed diameter is that of the case
 
-bool is_above(double value, double limit) { return value > limit * (1 + kRounding); }
+bool is_above(double value, double limit) { return value > limit * (1 + kScaleRounding); }
 
 double largest_radius(const BodyExtremes& extremes) { return *std::max_element(extremes.radius.begin(), extremes.radius.end()); }
 

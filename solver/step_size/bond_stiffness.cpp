@@ -4,15 +4,12 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/index.hpp"
 #include "solver/bodies/motion.hpp"
 
 namespace scree {
 
-namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
+namespace {}  // namespace
 
 PairStiffness linearise(const BondList& bonds, const ListedBond& bond, const ParticleSet& p) {
   PairStiffness result;

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/base/error.hpp"
+#include "core/base/index.hpp"
 #include "core/base/units.hpp"
 #include "core/storage/frame_file.hpp"
 #include "solver/effects/bonds/shared_damping.hpp"
@@ -18,8 +19,6 @@
 namespace scree {
 
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Adds `share` times a bond's forces to the owned bodies of it.
 void add_to_bodies(RunState& s, const ListedBond& bond, const BondForce& f, double share) {

@@ -4,13 +4,12 @@
 #include <map>
 #include <tuple>
 
+#include "core/base/index.hpp"
 #include "solver/contact/damping_share.hpp"
 
 namespace scree {
 
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// One side of a contact as a whole: a fragment, a body, or a wall, which does not move. World axes.
 struct Side {

@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "core/base/index.hpp"
 #include "solver/features/pair_features.hpp"
 #include "solver/features/pass_through.hpp"
 
 namespace scree {
 
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Of a body and an analytic zone: its nearest vertex, or the centre of a ball, less its radius.
 double gap_to_zone(const PairView& view) {

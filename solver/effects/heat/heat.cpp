@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/base/index.hpp"
 #include "solver/bodies/kept_sum.hpp"
 #include "solver/effects/heat/contact_losses.hpp"
 #include "solver/effects/heat/heat_effect.hpp"
@@ -16,8 +17,6 @@
 namespace scree {
 
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 void sort_by_pair(std::vector<HeatEffect::Contact>& contacts) {
   std::sort(contacts.begin(), contacts.end(), [](const HeatEffect::Contact& l, const HeatEffect::Contact& r) { return l.pair < r.pair; });

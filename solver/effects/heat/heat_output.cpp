@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/base/index.hpp"
 #include "core/base/units.hpp"
 #include "solver/effects/heat/contact_losses.hpp"
 #include "solver/effects/heat/heat_effect.hpp"
@@ -12,8 +13,6 @@
 namespace scree {
 
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// In a record: after the totals, walls and what they keep.
 constexpr std::ptrdiff_t kFirstOuter = kHeatTotals + 2;

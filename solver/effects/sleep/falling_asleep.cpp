@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/index.hpp"
 #include "solver/bodies/motion.hpp"
 #include "solver/effects/sleep/sleep.hpp"
 #include "solver/effects/sleep/sleep_loads.hpp"
@@ -15,8 +16,6 @@
 namespace scree {
 
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Beside the number of looks during a review: the body is ready.
 constexpr std::int32_t kReady = 1 << 30;

@@ -6,14 +6,13 @@
 
 #include <fmt/format.h>
 
+#include "core/base/index.hpp"
 #include "solver/effects/sleep/sleep_loads.hpp"
 #include "solver/state/run_state.hpp"
 
 namespace scree {
 
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 bool sleeps(const ParticleSet& p, std::int32_t row) { return p.rest[at(row)] == kAsleep; }
 
