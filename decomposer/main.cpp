@@ -11,6 +11,7 @@
 #include "core/base/mpi_session.hpp"
 #include "core/base/units.hpp"
 #include "core/distance/triangle_distance.hpp"
+#include "core/storage/h5_crash.hpp"
 #include "decomposer/commands.hpp"
 
 namespace {
@@ -126,5 +127,6 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   const scree::mpi::Session session(argc, argv);  // Zoltan wants it
+  scree::h5::explain_crashes(kTool);
   return scree::run_main(kTool, [&] { return run(argc, argv); });
 }

@@ -6,6 +6,7 @@
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
 #include "core/base/long_work.hpp"
+#include "core/storage/h5_crash.hpp"
 #include "mesher/commands/command_lines.hpp"
 #include "mesher/io/mesh_file.hpp"
 #include "mesher/make/generate.hpp"
@@ -55,5 +56,6 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  scree::h5::explain_crashes(kTool);
   return scree::run_main(kTool, [&] { return run(argc, argv); });
 }

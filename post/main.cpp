@@ -6,6 +6,7 @@
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
 #include "core/base/long_work.hpp"
+#include "core/storage/h5_crash.hpp"
 #include "post/commands/commands.hpp"
 #include "post/vtk/vtk_or_not.hpp"
 
@@ -52,5 +53,6 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  scree::h5::explain_crashes(kTool);
   return scree::run_main(kTool, [&] { return run(argc, argv); });
 }

@@ -11,6 +11,7 @@
 #include "core/base/error.hpp"
 #include "core/base/interruption.hpp"
 #include "core/distance/triangle_distance.hpp"
+#include "core/storage/h5_crash.hpp"
 #include "solver/run/job_script.hpp"
 #include "solver/run/loaded_scene.hpp"
 #include "solver/run/plan.hpp"
@@ -196,6 +197,7 @@ int do_command(const mpi::Communicator& comm, int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  h5::explain_crashes("scree-solver");
   share_cores(argv);
   listen_to_interruptions();  // until the run asks signals to end it after the present step
   const mpi::Session session(argc, argv);

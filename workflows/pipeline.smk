@@ -16,14 +16,18 @@
 # Runs go side by side, each with its share of the cores. How many of those it uses depends on its size (ranks.py): a small one runs on one rank,
 # a large one on as many as it has cores. The results are the same bits on any number.
 #
-# Its rule all asks for everything(), or for the files of single runs, result("drum"). Settings: --config ranks=2 threads=1
-# minutes=1440 (of the solver's job in a queue), statistics="..." (in place of STATISTICS), and for sweeps over any keys of the case, as a grid,
-# with replicas by seed:
-#   --config "sweep=pairs.*.friction=0.2|0.4|0.6;populations.*.size=8 mm|12 mm" replicas=3 plot=coordination_number
-# plot= is a quantity of all bodies, one of a wall (torque_y@drum) or a function of yours (FILE.py:FUNCTION), see sweep_quantity.py;
-# or, for programs that choose the points themselves (workflows/calibrate), a JSON file of name -> {"case": a run of RUNS, key: value, ...}:
-#   --config points=FILE
-# of which all makes the statistics only.
+# Its rule all asks for everything(), or for the files of single runs, result("drum"). Words of --config (workflows/run CASE --help prints these lines; a word
+# that no line of a Snakefile reads is refused, see config_words.py):
+#
+#   ranks=N                    of MPI, of each run (chosen by its size)
+#   threads=N                  of each rank
+#   minutes=N                  of the solver's job in a queue
+#   statistics=WORDS           of scree-post statistics, instead of those of the case
+#   sweep=KEY=VALUE|VALUE;...  runs of a grid over keys of the case, several with a semicolon: "sweep=pairs.*.friction=0.2|0.4;time.duration=1 s|2 s"
+#   replicas=N                 runs of each point of the grid, with seeds 1 to N
+#   plot=QUANTITY              that a sweep draws: of all bodies, of one wall (torque_y@drum), or FILE.py:FUNCTION (sweep_quantity.py)
+#   points=FILE                for programs that choose the points: a JSON file of name -> {"case": a run of RUNS, key: value, ...}; statistics only
+#
 # Every step is a command line that also runs by hand, in the folder out/.
 #
 # Names of shapes, files and folders are the user's, and may hold blanks, quotes, braces or $(...): in a command everything stands as {...:q}, words
@@ -39,6 +43,9 @@ from snakemake.utils import min_version
 
 min_version("7.0")
 HERE = str(workflow.current_basedir)  # of this file, whoever includes it
+sys.path.insert(0, HERE)
+sys.dont_write_bytecode = True
+import case_keys
 
 RANKS = int(config.get("ranks", globals().get("RANKS", 0)))  # 0: chosen for each run
 THREADS = int(config.get("threads", 1))  # of each rank
@@ -46,7 +53,7 @@ THREADS = int(config.get("threads", 1))  # of each rank
 STATISTICS = config.get("statistics", globals().get("STATISTICS", ""))
 PACK_INPUTS = globals().get("PACK_INPUTS", [])
 BESIDE = globals().get("BESIDE", {})
-SWEEP = [part.strip() for part in str(config.get("sweep", "")).split(";") if part.strip()]
+SWEEP = str(config.get("sweep", ""))
 REPLICAS = int(config.get("replicas", 1))
 
 
@@ -72,12 +79,10 @@ def given(runs, file):
 
 # What a sweep makes of the runs: each run at each point of the grid, with seeds 1, 2, ... when there are replicas.
 def swept(runs):
-    axes = []
-    for part in SWEEP:
-        key, equals, values = part.partition("=")
-        if not equals or not key or not all(value.strip() for value in values.split("|")):
-            raise WorkflowError(f"sweep: '{part}' found, expected KEY=VALUE|VALUE|..., for instance pairs.*.friction=0.2|0.4")
-        axes.append([(key.strip(), value.strip()) for value in values.split("|")])
+    try:
+        axes = case_keys.axes_of(SWEEP)
+    except case_keys.Wrong as reason:
+        raise WorkflowError(str(reason))
     if REPLICAS > 1:
         axes.append([("seed", str(seed)) for seed in range(1, REPLICAS + 1)])
     all_runs, points = {}, {}
@@ -92,7 +97,7 @@ def swept(runs):
 POINTS = {}
 if "points" in config:
     RUNS, POINTS = given(RUNS, config["points"])
-elif SWEEP or REPLICAS > 1:
+elif SWEEP.strip("; ") or REPLICAS > 1:
     RUNS, POINTS = swept(RUNS)
 
 
@@ -101,7 +106,6 @@ if POINTS and "ranks" not in config:
 
 PLOT = str(config.get("plot", globals().get("PLOT", "coordination_number")))
 if POINTS and "points" not in config:
-    sys.path.insert(0, HERE)
     import sweep_quantity
     try:
         sweep_quantity.check(PLOT, sorted({os.path.join(workflow.basedir, case) for case, _ in RUNS.values()}), os.environ.get("PWD", "."))

@@ -8,12 +8,14 @@ import shutil
 import signal
 import subprocess
 
+from config_words import snakefile_of, words_of
+
 RUNNER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "run")
 GRACE = 20.0   # [s] for the checkpoints of the solvers that are interrupted
 
 
 class PointsQueue:
-    """Calls workflows/run. words: for its --config; further: its other words."""
+    """Calls workflows/run. words: for its --config, those that the case reads; further: its other words."""
 
     def __init__(self, cores, words=(), further=()):
         self.cores, self.words, self.further = cores, tuple(words), tuple(further)
@@ -33,7 +35,9 @@ class PointsQueue:
         file = os.path.abspath(os.path.join(folder, "points.json"))
         with open(file, "w", encoding="utf-8") as text:
             json.dump(points, text, indent=1)
-        command = [RUNNER, case, *files, "--out", folder, "--cores", str(self.cores), "--keep-going", *self.further, "--config", f"points={file}", *self.words]
+        known = words_of(snakefile_of(case)).all
+        words = [word for word in self.words if word.partition("=")[0] in known]
+        command = [RUNNER, case, *files, "--out", folder, "--cores", str(self.cores), "--keep-going", *self.further, "--config", f"points={file}", *words]
         with open(f"{folder}.log", "a+", encoding="utf-8", errors="replace") as log:
             begin = log.tell()
             log.write(f"\n$ {shlex.join(command)}\n")

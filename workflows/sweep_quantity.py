@@ -23,7 +23,7 @@ OF_BODIES = [
     *(f"fabric_{ij}" for ij in TENSOR), "fabric_anisotropy", *(f"force_fabric_{ij}" for ij in TENSOR), "force_fabric_anisotropy",
     *(f"stress_{ij}" for ij in TENSOR), "pressure", "deviatoric_stress", "cohesive_pressure", "kinetic_pressure", "solid_fraction",
     "solid_fraction_of_container", "velocity_x", "velocity_y", "velocity_z", "mean_speed", "mean_spin", "granular_temperature", "centre_of_mass_x",
-    "centre_of_mass_y", "centre_of_mass_z", "temperature", "temperature_spread", "force_chain_share", "force_chain_count", "force_chain_length", "mixing_index", "segregation_fine",
+    "centre_of_mass_y", "centre_of_mass_z", "temperature", "temperature_spread", "force_chain_share", "force_chain_count", "force_chain_length", "mixing_index", "mixing_index_apart", "segregation_fine",
     "segregation_middle", "segregation_coarse", "angle_of_repose", "discharged_mass", "discharge_rate", "kinetic_energy", "potential_energy",
     "elastic_energy", "dissipated_energy", "energy_error"]
 OF_WALLS = ["force_x", "force_y", "force_z", "torque_x", "torque_y", "torque_z", "axis_torque", "power", "way", "rate"]

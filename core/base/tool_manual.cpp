@@ -133,7 +133,7 @@ std::string bash_completion(const CLI::App& app) {
       for (const CLI::Option* option : options_of(from, false)) {
         std::string pattern_of;
         for (const std::string& word : option->get_lnames()) {
-          options += (options.empty() ? "" : " ") + ("--" + word);
+          options += fmt::format("{}--{}", options.empty() ? "" : " ", word);
           pattern_of += fmt::format("{}--{}", pattern_of.empty() ? "" : "|", word);
         }
         for (const std::string& word : option->get_snames()) pattern_of += fmt::format("{}-{}", pattern_of.empty() ? "" : "|", word);

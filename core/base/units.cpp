@@ -221,7 +221,7 @@ std::string parse_unit(std::string_view text, Unit& unit) {
       unit.exponents.kelvin += power * factor.exponents.kelvin;
       expect_symbol = false;
     } else {
-      return fmt::format("'{}' is not part of a unit", c);
+      return fmt::format("'{}' is not part of a unit{}", c, c == ',' ? "; decimals have a point" : "");
     }
   }
   if (in_brackets) return "a bracket that is not closed";

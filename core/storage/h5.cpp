@@ -12,6 +12,7 @@
 #include <filesystem>
 
 #include "core/base/near_file.hpp"
+#include "core/storage/h5_crash.hpp"
 
 namespace scree::h5 {
 
@@ -349,6 +350,10 @@ std::string advice_for_mesh(const std::string& path) {
   const std::filesystem::path file(path);
   std::string ending = file.extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (ending == ".toml") {
+    return fmt::format("; a case is packed first: scree-decomposer pack {} -o {}, and that file is named here", path,
+                       (file.parent_path() / file.stem()).string() + ".scene.h5");
+  }
   const std::array<const char*, 8> meshes{".stl", ".obj", ".ply", ".off", ".3ds", ".dae", ".step", ".stp"};
   if (std::find(meshes.begin(), meshes.end(), ending) == meshes.end()) return "";
   return fmt::format(
@@ -365,6 +370,7 @@ File::File(const std::string& path) : path_(path) {
   if (!std::filesystem::exists(path, failed))
     throw InputError("{}: {}{}", path, failed ? failed.message() : "no such file", near_file(path));
   if (std::filesystem::is_directory(path, failed)) throw InputError("{}: is a folder, an HDF5 file was expected", path);
+  set_opened(path);
   if (H5Fis_hdf5(path.c_str()) <= 0) throw InputError("{}: not an HDF5 file, or truncated at its start{}", path, advice_for_mesh(path));
   const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (id < 0) throw InputError("{}: cannot be opened: {}; the file is truncated or damaged, make it again", path, library_error());

@@ -161,6 +161,8 @@ double CaseTable::number_of(const toml::node& value, const std::string& key, Dim
       const auto [end, fault] = std::from_chars(text->data(), last, bare);
       if (fault == std::errc{} && end != last) {
         const std::string kind = dimension_of(*text);
+        if (!kind.empty() && key.find("friction") != std::string::npos && text->find("deg") != std::string::npos)
+          throw error(key, fmt::format("{}, but {} is the tangent of the angle; write {:.6g}", kind, key, std::tan(bare * kPi / 180)));
         if (!kind.empty()) throw error(key, fmt::format("{}, but {} has no unit; write {:g}", kind, key, bare));
       }
     }

@@ -8,6 +8,8 @@
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
+#include "core/distance/mesh_distance.hpp"
+#include "core/geometry/closed_mesh.hpp"
 #include "core/geometry/half_edges.hpp"
 #include "core/storage/attraction.hpp"
 #include "core/storage/plasticity.hpp"
@@ -22,6 +24,7 @@ constexpr double kLightest = 100;    // [kg/m^3] of a body: balsa has more, only
 constexpr double kHeaviest = 25000;  // [kg/m^3] osmium has 22 590
 constexpr double kSoftest = 1000;    // [Pa] Young's modulus of jelly: GPa or MPa was left out
 constexpr double kMaxFriction = 2;   // rubber on dry concrete has 1: more looks like an angle in degrees
+constexpr double kCold = 100;        // [K] colder than nitrogen boils at
 constexpr double kFastest = 300;     // [m/s] of an impact, the speed of sound
 constexpr double kMaxFrames = 1e5, kMaxSteps = 1e9;
 constexpr double kLiquid = 1e-4;           // [Pa s] viscosity above that of any gas
@@ -77,6 +80,27 @@ void warn_of_materials(const Case& c, std::vector<std::string>& warnings) {
   if (!frictionless.empty())
     warnings.push_back(
         fmt::format("no friction is given, so that there is none: {}; write friction = 0 where that is meant", frictionless));
+}
+
+/// A temperature without a unit is in kelvin, and 20 is liquid hydrogen.
+void warn_of_temperatures(const Case& c, std::vector<std::string>& warnings) {
+  if (!c.settings.heat) return;
+  double coldest = 1e300;
+  std::string where;
+  const auto look = [&](double kelvin, const std::string& of) {
+    if (!(kelvin > 0) || kelvin >= coldest) return;
+    coldest = kelvin;
+    where = of;
+  };
+  look(c.settings.heat->temperature, "heat");
+  for (const CaseBody& b : c.bodies) look(b.temperature, b.where);
+  for (const CasePopulation& p : c.populations) look(p.temperature, p.where);
+  for (const CaseWall& w : c.walls) {
+    if (w.wall.heat.has_temperature()) look(w.wall.heat.temperature.least(), w.where);
+  }
+  if (coldest < kCold)
+    warnings.push_back(
+        fmt::format("{}: a temperature of {:g} K is that of liquid gases; was \"{:g} degC\" meant?", where, coldest, coldest));
 }
 
 void warn_of_surroundings(const Case& c, std::vector<std::string>& warnings) {
@@ -482,6 +506,30 @@ void warn_of_openings(const Case& c, const SceneParts& parts, const Movers& move
   }
 }
 
+/// Bodies on both sides of a closed wall of triangles: a region that reaches through it.
+void warn_of_closed_walls(const Case& c, const SceneParts& parts, const Scene& scene, std::vector<std::string>& warnings) {
+  constexpr double kMostTests = 1e8;  // of a body against a triangle: a second
+  const BodyTable& bodies = scene.bodies;
+  for (std::size_t w = 0; w < c.walls.size(); ++w) {
+    const Wall& wall = parts.walls[w];
+    if (wall.kind != WallKind::mesh) continue;
+    const TriangleMesh& mesh = parts.wall_bodies[w].shape->shape.mesh;
+    const double tests = static_cast<double>(bodies.size()) * static_cast<double>(mesh.triangles.size());
+    if (tests > kMostTests || !is_closed(mesh)) continue;
+    std::size_t inside = 0, outside = 0;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      if (bodies.fixed[b]) continue;
+      const Vec3 at = (1 / wall.scale) * rotate_inverse(wall.orientation, bodies.position[b] - wall.position);
+      (is_inside(mesh, at) ? inside : outside) += 1;
+    }
+    if (inside == 0 || outside == 0) continue;
+    warnings.push_back(fmt::format(
+        "{}: of the bodies {} start inside of the closed wall '{}' and {} outside; a region that reaches through it places bodies on "
+        "both sides",
+        c.walls[w].where, inside, wall.name, outside));
+  }
+}
+
 /// Margins that make another body of a shape, and touch that is not where the shape is drawn.
 void warn_of_margins(const Scene& scene, const PackingReport& report, std::vector<std::string>& warnings) {
   for (const PackingReport::Rounding& r : report.roundings) {
@@ -562,6 +610,7 @@ std::vector<std::string> warnings_of_case(const Case& c) {
   std::vector<std::string> warnings;
   warn_of_materials(c, warnings);
   warn_of_surroundings(c, warnings);
+  warn_of_temperatures(c, warnings);
   warn_of_times(c, warnings);
   return warnings;
 }
@@ -579,6 +628,7 @@ std::vector<std::string> warnings_of_case(const Case& c, const SceneParts& parts
   warn_of_fall(parts, scene, movers, warnings);
   warn_of_outlets(c, parts, movers, warnings);
   warn_of_openings(c, parts, movers, warnings);
+  warn_of_closed_walls(c, parts, scene, warnings);
   warn_of_margins(scene, report, warnings);
   warn_of_turns(c, parts, warnings);
   if (scene.settings.heat && movers.largest > 0 && scene.settings.heat->gas_range > movers.largest) {

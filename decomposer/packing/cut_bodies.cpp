@@ -64,6 +64,15 @@ class Cutter {
     for (const CaseBond& between : case_.bonds) {
       if (between.between_a >= 0) bond_faces(between);
     }
+    for (const CaseBond& within : case_.bonds) {
+      if (within.material < 0 || held_.contains(within.material)) continue;
+      const std::string& name = case_.materials[static_cast<std::size_t>(within.material)].name;
+      throw UsageError(
+          "{}.within = \"{}\": no body of that material starts as pieces, so that nothing would be bonded; give the shape pieces, for "
+          "instance "
+          "pieces = {{ cells = 20 }}, or bond bodies that lie face to face with between = [\"{}\", \"{}\"]",
+          within.where, name, name, name);
+    }
     // several faces may join two pieces: they stay in the order of the file
     std::stable_sort(scene_.bonds.begin(), scene_.bonds.end(),
                      [](const Bond& l, const Bond& r) { return std::pair(l.a, l.b) < std::pair(r.a, r.b); });
@@ -156,6 +165,7 @@ class Cutter {
       loose_.insert(row.material);
       return;
     }
+    held_.insert(row.material);
     std::vector<double> largest(file.shapes.size(), 0);
     for (const SharedFace& f : file.pieces->faces) {
       for (const std::int32_t p : {f.piece_a, f.piece_b})
@@ -253,6 +263,7 @@ class Cutter {
   std::int64_t next_id_ = 0, first_piece_ = 0;
   std::map<std::size_t, std::int32_t> first_shape_;
   std::set<std::int32_t> loose_;
+  std::set<std::int32_t> held_;  ///< materials whose pieces bonds hold
   WholeBodies whole_;
   std::map<std::int64_t, double> own_weight_;  // of each piece: density times gravity times height of its body [Pa]
 };

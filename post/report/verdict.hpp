@@ -21,7 +21,9 @@ struct Verdict {
 inline constexpr double kEnergyGood = 0.01;  ///< balance error over the largest energy that was in play
 inline constexpr double kEnergyDoubtful = 0.05;
 inline constexpr double kOverlapDoubtful = 0.8;  ///< overlap over margin; at 1 the surfaces themselves would touch
-inline constexpr double kRestKinetic = 1e-6;     ///< kinetic energy over its peak
+inline constexpr double kBallsDoubtful = 0.2;    ///< overlap over radius: twelve such contacts have 9 % of a ball in its neighbours
+inline constexpr double kBallsBad = 0.5;
+inline constexpr double kRestKinetic = 1e-6;  ///< kinetic energy over its peak
 /// Step over the critical step of all contacts at once. A motion at a share r of its critical step keeps its energy to r^2 / 4 while its
 /// contacts last, and all of it when they end: 1 % at 0.2, 4.7 % at 0.5, 20 % at 0.9, still stable at 0.99 (X1 in
 /// docs/results/stability.md). A body with many neighbours is held by all of them: a bed of balls with 12 steps a contact is at 0.5 to 0.8,

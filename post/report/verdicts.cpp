@@ -101,8 +101,19 @@ Verdict judge_depth(const Run& run) {
   Verdict v{"Contact overlap", Judgement::information, "", ""};
   const double ratio = std::max(largest(run.log, "max_depth_ratio"), number_in(run.outcome, "max_depth_ratio", 0));
   if (run.scene.settings.margin <= 0) {
-    v.answer = "no margin in this case";
-    v.evidence = "Contact begins at the surface; there is no margin.";
+    if (!(ratio > 0)) {
+      v.answer = "no contact";
+      return v;
+    }
+    v.answer = fmt::format("at most {:.3f} of the radius", ratio);
+    v.judgement = ratio < kBallsDoubtful ? Judgement::good : (ratio < kBallsBad ? Judgement::doubtful : Judgement::bad);
+    v.evidence = fmt::format(
+        "Overlap over the radius of the smaller ball, the largest of all contacts and steps. Laws of contact are those of small overlaps: "
+        "up to "
+        "{:g} of the radius, balls still pack and flow like rigid ones; near {:g} they have become another material. A larger stiffness, "
+        "or "
+        "slower motion, brings it down.",
+        kBallsDoubtful, kBallsBad);
     return v;
   }
   v.answer = fmt::format("at most {:.3f} of the margin", ratio);

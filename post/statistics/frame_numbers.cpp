@@ -8,6 +8,7 @@
 #include "core/base/numbers.hpp"
 #include "core/base/units.hpp"
 #include "core/storage/wall_axis.hpp"
+#include "core/storage/wall_state.hpp"
 #include "post/run/event_table.hpp"
 #include "post/statistics/bed.hpp"
 #include "post/statistics/contact_kinds.hpp"
@@ -69,17 +70,18 @@ std::vector<Quantity> group_quantities(bool has_heat) {
   q.insert(q.end(), {{"force_chain_share", "-", "particles in force chains over all"},
                      {"force_chain_count", "-", "chains of three or more"},
                      {"force_chain_length", "-", "mean number of particles in a chain"},
-                     {"mixing_index", "-", "Lacey: 0 segregated, 1 mixed at random"},
+                     {"mixing_index", "-", "Lacey: mixing_index_apart segregated, 1 mixed at random"},
+                     {"mixing_index_apart", "-", "the same if the kinds were apart in two layers: what the cells resolve"},
                      {"segregation_fine", "-", "of the finest third of the particles: 1 apart from all others, 0 among them at random"},
                      {"segregation_middle", "-", "of those between the finest and the coarsest third"},
                      {"segregation_coarse", "-", "of the coarsest third"},
                      {"angle_of_repose", "deg", "of the free surface"},
                      {"discharged_mass", "kg", "passed through the level since the start, or removed at the sides of the domain"},
                      {"discharge_rate", "kg/s", "since the frame before"},
-                     {"kinetic_energy", "J", "of the scene"},
-                     {"potential_energy", "J", "of the scene"},
-                     {"elastic_energy", "J", "of the contacts"},
-                     {"dissipated_energy", "J", "since the start"},
+                     {"kinetic_energy", "J", "of the bodies that are counted"},
+                     {"potential_energy", "J", "of the bodies that are counted"},
+                     {"elastic_energy", "J", "of all contacts of the scene"},
+                     {"dissipated_energy", "J", "since the start, of the whole scene"},
                      {"energy_error", "J", "of the balance, from log.csv"}});
   return q;
 }
@@ -95,6 +97,12 @@ double log_value(const LogTable& log, const std::string& name, double time) {
   if (i >= t.size()) return v.back();
   if (i == 0 || t[i] == time) return v[i];
   return v[i - 1] + (v[i] - v[i - 1]) * (time - t[i - 1]) / (t[i] - t[i - 1]);
+}
+
+/// What a wall does on the bodies [W], from the force and the torque about the world's origin that they exert on it.
+double power_of(const Wall& wall, double time, const Vec3& force, const Vec3& torque) {
+  const WallState at = wall_state(wall, time);
+  return -(dot(force, at.velocity) + dot(torque - cross(at.position, force), at.angular_velocity));
 }
 
 std::vector<double> centres(double low, double width, std::size_t count) {
@@ -273,6 +281,21 @@ void StatisticsPlan::choose_kinds(const RunBodies& bodies) {
   for (std::size_t i = 0; i < particles.size(); ++i) kind[particles[i]->id] = sorts[i] == (mixing == "size" ? 1 : sorts.front()) ? 1 : 0;
 }
 
+void StatisticsPlan::note_coarse_cells(const Frame& frame, char axis_name) {
+  constexpr double kCoarse = 0.5;  // an index that halves apart must not have: the cells tell little of this axis
+  const FrameView view(*facts, frame);
+  std::vector<std::uint8_t> kinds;
+  for (const std::int64_t id : frame.bodies.id) kinds.push_back(kind.contains(id) ? kind.at(id) : 2);
+  const double index = mixing_index(view, kinds);
+  if (!(index > kCoarse)) return;
+  gaps.emplace_back(
+      "mixing_index",
+      fmt::format("the halves along {} have an index of {:.2f} in the frame in which they are apart, where 0 is meant: cells of "
+                  "about 12 particles reach across the bed along {}; choose the halves along another axis, or other kinds, with "
+                  "--mixing",
+                  axis_name, index, axis_name));
+}
+
 void StatisticsPlan::choose_halves(char axis_name) {
   const int axis = axis_name - 'x';
   // the first frame that has particles
@@ -289,6 +312,7 @@ void StatisticsPlan::choose_halves(char axis_name) {
     const auto middle = places.begin() + static_cast<std::ptrdiff_t>(places.size() / 2);
     std::nth_element(places.begin(), middle, places.end());
     for (const std::size_t i : rows) kind[b.id[i]] = b.position[i][axis] >= *middle ? 1 : 0;
+    note_coarse_cells(frame, axis_name);
     break;
   }
   if (run.lets_in())
@@ -301,6 +325,7 @@ void StatisticsPlan::choose_halves(char axis_name) {
 CountedFrame StatisticsPlan::load(std::size_t index) const {
   CountedFrame counted{load_frame(run, index)};
   Frame& frame = counted.frame;
+  const std::size_t in_frame = frame.bodies.size();
   if (!options.without.empty()) {
     std::vector<std::size_t> rows;
     for (std::size_t i = 0; i < frame.bodies.size(); ++i) {
@@ -321,6 +346,7 @@ CountedFrame StatisticsPlan::load(std::size_t index) const {
                           run.scene.materials[static_cast<std::size_t>(b.material[i])].density;
   }
   frame = within.part_of(run, std::move(frame));
+  counted.is_whole = frame.bodies.size() == in_frame;
   return counted;
 }
 
@@ -462,11 +488,14 @@ void StatisticsPlan::add_whole(const CountedFrame& counted, const FrameView& vie
     if (const auto it = kind.find(frame.bodies.id[i]); it != kind.end()) kinds[i] = it->second;
   }
   row.push_back(mixing_index(view, kinds));
+  row.push_back(mixing_index_apart(view, kinds));
   for (const double segregation : size_segregation(view)) row.push_back(segregation);
   row.push_back(options.repose == "cone" ? angle_of_repose_cone(view) : (options.repose == "slope" ? angle_of_repose_slope(view) : kNaN));
   row.push_back(discharged(counted));
   row.push_back(kNaN);  // the rate needs the frame before: see run_statistics
-  row.insert(row.end(), {frame.kinetic, frame.potential, frame.elastic, frame.dissipated, log_value(run.log, "energy_error", frame.time)});
+  const BodyEnergies energies = counted.is_whole ? BodyEnergies{frame.kinetic, frame.potential} : energies_of_bodies(view);
+  row.insert(row.end(),
+             {energies.kinetic, energies.potential, frame.elastic, frame.dissipated, log_value(run.log, "energy_error", frame.time)});
 }
 
 void StatisticsPlan::add_tables(const FrameView& view, const ForceChains& chains, std::vector<double>& row) const {
@@ -497,7 +526,11 @@ void StatisticsPlan::add_walls(const Frame& frame, std::vector<double>& row) con
     const auto i = static_cast<std::size_t>(it - walls.id.begin());
     add_vector(it != walls.id.end() ? walls.force[i] : Vec3{kNaN, kNaN, kNaN});
     add_vector(it != walls.id.end() ? walls.torque[i] : Vec3{kNaN, kNaN, kNaN});
-    row.push_back(log_value(run.log, fmt::format("wall{}_power", wall.id), frame.time));
+    const std::string power = fmt::format("wall{}_power", wall.id);
+    // the log has rows of its own: at the time of a frame, force times speed is exact, and a value between two rows is not
+    const bool is_driven = wall.motion.is_prescribed() && !wall.motion.drive() && !wall.surface.motion.is_prescribed();
+    const bool is_known = is_driven && it != walls.id.end() && run.log.has(power);
+    row.push_back(is_known ? power_of(wall, frame.time, walls.force[i], walls.torque[i]) : log_value(run.log, power, frame.time));
     for (const char* name : {"way", "rate"}) {
       if (wall_answers) row.push_back(log_value(run.log, fmt::format("wall{}_{}", wall.id, name), frame.time));
     }

@@ -13,6 +13,7 @@ namespace scree {
 /// A frame with what is counted in it.
 struct CountedFrame {
   Frame frame;
+  bool is_whole = true;   ///< no body of the frame was left out
   double mass_above = 0;  ///< the level of --discharge, else anywhere: of all particles, those included that have left [kg]
 };
 
@@ -53,6 +54,7 @@ struct StatisticsPlan {
   void add_distributions(double diameter);     // [m]
   void choose_kinds(const RunBodies& bodies);
   void choose_halves(char axis);
+  void note_coarse_cells(const Frame& frame, char axis);
   void read_masses();
   double discharged(const CountedFrame& counted) const;
   void read_discharge(const std::string& text);

@@ -64,6 +64,24 @@ MotionMeasures motion_measures(const FrameView& view, const Group& group) {
   return m;
 }
 
+BodyEnergies energies_of_bodies(const FrameView& view) {
+  const Scene& scene = view.facts.run->scene;
+  const FrameBodies& b = view.frame.bodies;
+  const double fluid = scene.settings.fluid ? scene.settings.fluid->density : 0;
+  BodyEnergies energies;
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    if (view.is_particle[i] == 0) continue;
+    const Shape& shape = scene.shapes[static_cast<std::size_t>(b.shape[i])];
+    const double density = scene.materials[static_cast<std::size_t>(b.material[i])].density;
+    const Mat3 turn = matrix_of(b.orientation[i]);
+    const Vec3 spin = transpose(turn) * b.angular_velocity[i];
+    const double moment = density * std::pow(b.scale[i], 5) * dot(spin, shape.mass.inertia * spin);
+    energies.kinetic += 0.5 * (view.mass[i] * squared_length(b.velocity[i]) + moment);
+    energies.potential -= view.mass[i] * (1 - fluid / density) * dot(scene.settings.gravity, b.position[i]);
+  }
+  return energies;
+}
+
 double region_solid_fraction(const FrameView& view, const Region& region) {
   double solid = 0;
   view.for_each_sample([&](const Vec3& p, double v, std::size_t) { solid += view.facts.images_in(region, p) * v; });
@@ -251,6 +269,28 @@ double mixing_index(const FrameView& view, const std::vector<std::uint8_t>& kind
   for (const auto& [place, cell] : cells) variance += cell.count * std::pow(cell.ones / cell.count - p, 2) / all;
   const double apart = p * (1 - p), random = apart * static_cast<double>(cells.size()) / all;
   return apart > random ? (apart - variance) / (apart - random) : kNaN;
+}
+
+double mixing_index_apart(const FrameView& view, const std::vector<std::uint8_t>& kind) {
+  std::vector<std::size_t> rows;
+  std::size_t ones = 0;
+  for (std::size_t i = 0; i < kind.size(); ++i) {
+    if (view.is_particle[i] == 0 || kind[i] > 1) continue;
+    rows.push_back(i);
+    ones += kind[i];
+  }
+  double least = kNaN;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto place = [&](std::size_t i) { return view.frame.bodies.position[i][axis]; };
+    std::sort(rows.begin(), rows.end(),
+              [&](std::size_t i, std::size_t j) { return place(i) < place(j) || (place(i) == place(j) && i < j); });
+    for (const bool from_below : {true, false}) {
+      std::vector<std::uint8_t> layers(kind.size(), 2);
+      for (std::size_t k = 0; k < rows.size(); ++k) layers[rows[k]] = (from_below ? k : rows.size() - 1 - k) < ones ? 1 : 0;
+      least = std::fmin(least, mixing_index(view, layers));
+    }
+  }
+  return least;
 }
 
 std::array<double, 3> size_segregation(const FrameView& view) {

@@ -19,6 +19,13 @@ struct MotionMeasures {
 };
 MotionMeasures motion_measures(const FrameView& view, const Group& group);
 
+/// Energies of all particles of the frame [J]: kinetic, of translation and rotation; potential, 0 at the origin, without what a fluid
+/// bears.
+struct BodyEnergies {
+  double kinetic = 0, potential = 0;
+};
+BodyEnergies energies_of_bodies(const FrameView& view);
+
 /// Solid of the group in its region over the region's volume, from sample points.
 double region_solid_fraction(const FrameView& view, const Region& region);
 
@@ -50,6 +57,10 @@ std::vector<double> pair_correlation(const FrameView& view, std::size_t shells, 
 /// that hold about 12 particles; NaN with fewer than 60. Source: P. Lacey, J. Appl. Chem. 4 (1954) 257, weighted by the particles in each
 /// cell.
 double mixing_index(const FrameView& view, const std::vector<std::uint8_t>& kind);
+
+/// The same index of the same particles if their two kinds were wholly apart, in two layers along the axis that gives the least: what the
+/// cells resolve, and not 0, since cells between the layers hold both. An index is to be read from this value on.
+double mixing_index_apart(const FrameView& view, const std::vector<std::uint8_t>& kind);
 
 /// How far each of three size classes is apart from the others: 1 less Lacey's index of the class against all other particles, 1 apart, 0
 /// at random. Classes are the finest third of the particles by number, the coarsest third, and those between; diameters are those of

@@ -10,6 +10,7 @@
 #include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
+#include <vtkStringArray.h>
 #include <vtkTypeInt32Array.h>
 #include <vtkTypeInt64Array.h>
 #include <vtkTypeInt8Array.h>
@@ -129,6 +130,15 @@ vtkSmartPointer<vtkPolyData> points_of(const std::vector<Vec3>& positions) {
   return data;
 }
 
+/// What stands behind the numbers of an array, as field data: item k is that of number k.
+template <class Item>
+void add_names(vtkPolyData* data, const char* name, const std::vector<Item>& items) {
+  vtkNew<vtkStringArray> names;
+  names->SetName(name);
+  for (const Item& item : items) names->InsertNextValue(item.name);
+  data->GetFieldData()->AddArray(names);
+}
+
 void write(const std::string& path, vtkPolyData* data) {
   TemporaryFile temporary(path);
   vtkNew<vtkXMLPolyDataWriter> writer;
@@ -192,7 +202,11 @@ void write_mesh_vtp(const std::string& path, const DrawnMesh& mesh) { write(path
 
 void write_walls_vtp(const std::string& path, const Scene& scene, const std::vector<TriangleMesh>& walls,
                      const std::vector<WallPlace>& places, const std::vector<WallLoads>& loads) {
-  write(path, vtk_walls(scene, walls, places, loads));
+  const auto data = vtk_walls(scene, walls, places, loads);
+  data->GetFieldData()->AddArray(
+      array_of<vtkTypeInt64Array>("wall_ids", scene.walls.size(), 1, [&](std::size_t w, int) { return scene.walls[w].id; }));
+  add_names(data, "wall_names", scene.walls);
+  write(path, data);
 }
 
 void write_surfaces_vtp(const std::string& path, const Frame& frame, const Scene& scene, const std::vector<DrawnMesh>& shapes) {
@@ -225,6 +239,8 @@ void write_surfaces_vtp(const std::string& path, const Frame& frame, const Scene
   }
   const auto data = all.poly_data();
   add_body_arrays(data->GetCellData(), bodies, kOnSurfaces, body);
+  add_names(data, "shape_names", scene.shapes);
+  add_names(data, "material_names", scene.materials);
   if (!scene.bonds.empty()) {
     const std::vector<std::int64_t> fragment = fragment_ids(scene, bodies, frame.bonds.bond);
     data->GetCellData()->AddArray(array_of<vtkTypeInt64Array>(

@@ -176,7 +176,8 @@ int HostedRun::step(std::int64_t count) {
   if (count < 0) throw UsageError("step: {} steps: expected a number >= 0", count);
   in_->check_goes_on("step");
   int code = 0;
-  for (std::int64_t k = 0; k < count && code == 0; ++k) code = in_->one_step();
+  // a run with files ends where its case ends; only a call that begins behind the end is an error
+  for (std::int64_t k = 0; k < count && code == 0 && (k == 0 || !in_->files || !in_->files->is_over()); ++k) code = in_->one_step();
   in_->guarded([&] { in_->simulation->agree_on_failures(); });
   if (!in_->files) in_->simulation->drop_events();
   return code;
@@ -199,7 +200,10 @@ void HostedRun::on_poll(std::function<int()> poll, double interval) {
 double HostedRun::time() const { return in_->simulation->time(); }
 double HostedRun::dt() const { return in_->state().clock.size.step; }
 std::int64_t HostedRun::step_count() const { return in_->simulation->step(); }
-bool HostedRun::is_over() const { return in_->files && in_->files->is_over(); }
+bool HostedRun::is_over() const {
+  constexpr double kRounding = 1e-9;  // of a step
+  return in_->files ? in_->files->is_over() : time() >= in_->loaded.scene.settings.duration - kRounding * dt();
+}
 const Scene& HostedRun::scene() const { return in_->loaded.scene; }
 std::int64_t HostedRun::body_count() const { return static_cast<std::int64_t>(in_->state().particles.owned); }
 

@@ -89,7 +89,7 @@ SCREE_API double scree_time(const scree_engine* engine);        /* [s] */
 SCREE_API double scree_dt(const scree_engine* engine);          /* length of a step [s] */
 SCREE_API int64_t scree_step_count(const scree_engine* engine); /* steps since the start of the run */
 SCREE_API double scree_duration(const scree_engine* engine);    /* of the case [s] */
-SCREE_API int scree_is_over(const scree_engine* engine);        /* whether a run with a folder has reached its end: the duration, or rest */
+SCREE_API int scree_is_over(const scree_engine* engine);        /* whether the duration of the case has passed, or a run with a folder has ended */
 SCREE_API double scree_gravity(const scree_engine* engine, int component);
 SCREE_API int scree_shape_count(const scree_engine* engine);
 SCREE_API const char* scree_shape_name(const scree_engine* engine, int shape); /* NULL: there is none */

@@ -276,8 +276,9 @@ void RunSteps::finish() {
   for (const std::string& line : idle_servos(simulation_.state())) warn_once("scree-solver", line);
   if (!reason.empty()) std::fprintf(stderr, "scree-solver: %s\n", reason.c_str());
   const RunRecord& record = guard_.record();
-  progress_->finish(fmt::format("{} steps, {:.0f} particle-steps/s, overlap/margin at most {:.3f}, energy balance to {:.2g}",
-                                simulation_.step(), body_steps_ / std::max(seconds_since(start_), 1e-9), record.max_overlap_ratio,
+  progress_->finish(fmt::format("{} steps, {:.0f} particle-steps/s, overlap/{} at most {:.3f}, energy balance to {:.2g}",
+                                simulation_.step(), body_steps_ / std::max(seconds_since(start_), 1e-9),
+                                loaded_.scene.settings.margin > 0 ? "margin" : "radius", record.max_overlap_ratio,
                                 relative_energy_error(record.energy_error, record.in_play(), loaded_.scene)));
 }
 

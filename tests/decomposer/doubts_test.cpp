@@ -91,6 +91,32 @@ TEST(Doubts, friction_that_is_left_out) {
 
 TEST(Doubts, friction_in_degrees) { expect_doubt({{"friction = 0.5", "friction = 30"}}, {"friction = 30", "coefficient", "0.577"}); }
 
+TEST(Doubts, a_region_that_reaches_through_a_closed_wall) {
+  const std::pair<std::string, std::string> drum{
+      "shape = { box_inside = [[0, 0, 0], [0.08, 0.08, 0.08]] }",
+      "shape = { drum = { start = [0.04, 0.04, -0.01], end = [0.04, 0.04, 0.09], radius = 0.03 } }"};
+  const auto is_named = [](const std::vector<std::string>& found) {
+    return std::any_of(found.begin(), found.end(), [](const std::string& text) {
+      return text.find("closed wall 'crate'") != std::string::npos && text.find("inside") != std::string::npos &&
+             text.find("outside") != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(is_named(doubts({drum})));
+  EXPECT_FALSE(is_named(doubts(
+      {drum, {"count = 20", "count = 2"}, {"box = [[0, 0, 0], [0.08, 0.08, 0.08]]", "box = [[0.03, 0.03, 0], [0.05, 0.05, 0.08]]"}})));
+}
+
+TEST(Doubts, a_temperature_of_liquid_gases) {
+  const std::pair<std::string, std::string> heat{"[contact]", "[heat]\ntemperature = 20\n[contact]"},
+      stone{"density = 2700", "density = 2700\nyoung = 5e10\npoisson = 0.25\nheat_capacity = 800\nconductivity = 2"};
+  const auto is_named = [](const std::vector<std::string>& found) {
+    return std::any_of(found.begin(), found.end(),
+                       [](const std::string& text) { return text.find("was \"20 degC\" meant?") != std::string::npos; });
+  };
+  EXPECT_TRUE(is_named(doubts({heat, stone})));
+  EXPECT_FALSE(is_named(doubts({heat, stone, {"temperature = 20", "temperature = 293"}})));
+}
+
 TEST(Doubts, gravity_in_millimetres) {
   expect_doubt({{"-9.81", "-9810"}, {"stiffness = 1e4", "stiffness = 1e7"}}, {"gravity of 9810 m/s^2", "\"9810 mm/s^2\""});
 }

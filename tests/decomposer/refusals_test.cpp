@@ -302,6 +302,26 @@ TEST(Refusals, attraction_by_area_is_told_as_work_over_a_range) {
   says("adhesion = 500\nadhesion_range = 1e-4", {"10 MPa", "layer_modulus", "10 MPa"});
 }
 
+TEST(Refusals, two_walls_of_one_name) {
+  const std::string wall =
+      "[[walls]]\nname = \"lid\"\nmaterial = \"stone\"\nshape = { plane = { point = [0, 0, 0], normal = [0, 0, 1] } }\n";
+  const std::string body = "[[bodies]]\nshape = \"ball\"\nmaterial = \"stone\"\nposition = [0, 0, 3]\n";
+  EXPECT_NO_THROW(pack(kHead + kMargin + body + wall));
+  expect_says(failure(kHead + kMargin + body + wall + wall, ExitCode::usage), {"walls[1].name = \"lid\"", "is given twice", "first at"});
+}
+
+TEST(Refusals, friction_as_an_angle_is_answered_with_its_tangent) {
+  std::string text = kHead + kMargin + "[[bodies]]\nshape = \"ball\"\nmaterial = \"stone\"\nposition = [0, 0, 3]\n";
+  text.replace(text.find("restitution = 0.5"), 17, "restitution = 0.5\nfriction = \"22 deg\"");
+  expect_says(failure(text, ExitCode::usage), {"friction = \"22 deg\"", "tangent", "write 0.404026"});
+}
+
+TEST(Refusals, bonds_within_a_material_without_pieces) {
+  const std::string bonds = "[[bonds]]\nwithin = \"stone\"\nyoung = 1e9\n";
+  const std::string body = "[[bodies]]\nshape = \"ball\"\nmaterial = \"stone\"\nposition = [0, 0, 3]\n";
+  expect_says(failure(kHead + kMargin + body + bonds, ExitCode::usage), {"bonds[0]", "within = \"stone\"", "pieces", "between"});
+}
+
 TEST(Refusals, balls_have_no_elastic_layer_where_they_touch_at_their_drawn_surface) {
   std::string head = kHead;
   const auto at = head.find("stiffness");

@@ -355,11 +355,19 @@ def a_run_folder_is_as_that_of_scree_solver():
     assert outcome("halted.run")["state_hash"] == expected
     refused(scree.UsageError, "complete", lambda: scree.Engine("balls.scene.h5", run="halted.run", restart="auto"))
     engine = scree.Engine("balls.scene.h5", run="over.run")
-    engine.run_until(engine.duration)
-    assert engine.is_over
+    while not engine.is_over:  # the last of these calls would go beyond the end
+        engine.step(steps // 3 + 1)
+    assert engine.steps == steps
     refused(scree.UsageError, "give a longer time.duration", engine.step)
     engine.close()
     assert outcome("over.run")["state_hash"] == expected
+    with scree.Engine("balls.scene.h5") as engine:  # without a folder it ends by the clock alone, and goes on when asked to
+        engine.step(steps - 1)
+        assert not engine.is_over
+        engine.step()
+        assert engine.is_over and engine.state_hash() == expected
+        engine.step()
+        assert engine.is_over and engine.steps == steps + 1
 
 
 def events(path):

@@ -117,6 +117,16 @@ run = changed_run(row("bonds/bond", 1, 2**31 - 1), WITH_BONDS)
 tool("scree-post", "vtk", run, "-o", "v", "--what", "bonds", "--frames", "1", code=BAD_DATA, says="bond 2147483647")
 tool("scree-post", "fragments", run, "-o", "f.csv", code=BAD_DATA, says="bond 2147483647")
 
+# one bit says that the fill value of a column is shared by a table that the file has not: HDF5 1.10 then reads address 0
+run = changed_run(lambda file: None)
+with open(os.path.join(run, LAST), "rb+") as file:
+    data = file.read()
+    place = data.index(bytes.fromhex("05 00 08 00 01 00 00 00 02 01 01 01"))
+    file.seek(place + 4)
+    file.write(b"\x03")
+for words in (("fragments", run, "-o", "f.csv"), ("vtk", run, "-o", "v", "--frames", "last")):
+    assert LAST in tool("scree-post", *words, code=BAD_DATA, says="damaged")
+
 # run.json of other types
 for key, value, says in (("outcome", 5, "outcome is number, a text expected"), ("inlets", [], "inlets holds 0 records"), ("inlets", {}, "a list expected"),
                          ("step_size", "x", "step_size is string, a number expected"), ("state_hash", 5, "a text expected"), ("phases", [1], "an object expected"),

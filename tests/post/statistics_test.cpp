@@ -546,6 +546,10 @@ TEST(SpaceMeasures, halves_that_lie_apart_have_index_zero_and_random_kinds_one) 
   }
   EXPECT_LT(mixing_index(view, apart), 0.2) << "of seven layers of cells only the one that the border cuts is mixed";
   EXPECT_NEAR(mixing_index(view, random), 1, 0.02);
+  // a cube: halves along any axis lie apart alike
+  EXPECT_DOUBLE_EQ(mixing_index_apart(view, apart), mixing_index(view, apart));
+  EXPECT_LT(mixing_index_apart(view, random), 0.2) << "their own places do not matter";
+  EXPECT_TRUE(std::isnan(mixing_index_apart(view, std::vector<std::uint8_t>(random.size(), 1)))) << "one kind";
 }
 
 TEST(SpaceMeasures, a_heap_and_a_slope_have_the_angle_they_were_built_with) {
@@ -721,6 +725,55 @@ TEST_F(StatisticsOfARun, size_classes_that_lie_apart_are_segregated_and_those_th
   EXPECT_NEAR(of(pair, "segregation_fine").mean, of(pair, "segregation_middle").mean, 1e-12);
   EXPECT_GT(of(pair, "segregation_fine").mean, 0.4) << "the first cells hold a layer of large ones too";
   EXPECT_EQ(of(pair, "segregation_coarse").count, 0u);
+}
+
+// Cells of twelve bodies are higher than a bed of two layers: the halves along z share each cell from the start.
+TEST_F(StatisticsOfARun, an_axis_that_the_cells_of_mixing_do_not_resolve_is_named) {
+  Packing p(0.05, {0, 0, 0}, {2, 2, 2}, {0, 0, -9.81});
+  for (int i = 0; i < 800; ++i) p.add(0.1 * Vec3{i % 20 + 0.5, i / 20 % 20 + 0.5, i / 400 + 0.5});
+  const scree::Run run = written(folder / "flat.run", p, {p.frame});
+  const auto statistics = [&](const char* mixing) {
+    StatisticsOptions options;
+    options.frames = {0};
+    options.mixing = mixing;
+    return run_statistics(run, options, "");
+  };
+  const Statistics flat = statistics("half-z"), wide = statistics("half-x");
+  EXPECT_GT(flat.of("mixing_index").mean, 0.9);
+  EXPECT_LT(flat.of("mixing_index_apart").mean, 0.2) << "along x or y they can be apart";
+  const auto named = [](const Statistics& s) {
+    return std::any_of(s.gaps.begin(), s.gaps.end(), [](const auto& gap) {
+      return gap.first == "mixing_index" && gap.second.find("halves along z") != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(named(flat));
+  EXPECT_LT(wide.of("mixing_index").mean, 0.2);
+  EXPECT_FALSE(named(wide));
+}
+
+TEST_F(StatisticsOfARun, energies_are_those_of_the_bodies_that_are_counted) {
+  Packing p(0.5, {0, 0, 0}, {4, 4, 4}, {0, 0, -10});
+  p.add({1, 1, 1}, {2, 0, 0});
+  p.add({3, 1, 2}, {0, 0, -30}, 0, 1);
+  p.frame.bodies.angular_velocity[1] = {0, 6, 0};
+  const double ball = 2000 * std::numbers::pi / 6, box = 2000 * 0.5 * 1 * 1.5;
+  // of the box with edges 0.5, 1 and 1.5 m about its axis y: m (a^2 + c^2) / 12
+  const double of_box = 0.5 * box * (900 + (0.25 + 2.25) / 12 * 36);
+  p.frame.kinetic = 0.5 * ball * 4 + of_box;
+  p.frame.potential = ball * 10 * 1 + box * 10 * 2;
+  const scree::Run run = written(folder / "two.run", p, {p.frame});
+  const auto of = [&](const std::vector<std::string>& without, const char* quantity) {
+    StatisticsOptions options;
+    options.frames = {0};
+    options.without = ids_left_out(run, without);
+    return run_statistics(run, options, "").of(quantity).mean;
+  };
+  EXPECT_DOUBLE_EQ(of({}, "kinetic_energy"), p.frame.kinetic);
+  EXPECT_DOUBLE_EQ(of({}, "potential_energy"), p.frame.potential);
+  EXPECT_NEAR(of({"1"}, "kinetic_energy"), 0.5 * ball * 4, 1e-9 * ball);
+  EXPECT_NEAR(of({"0"}, "kinetic_energy"), of_box, 1e-9 * of_box);
+  EXPECT_NEAR(of({"1"}, "potential_energy"), ball * 10, 1e-9 * ball);
+  EXPECT_NEAR(of({"0"}, "potential_energy"), box * 20, 1e-9 * box);
 }
 
 TEST_F(StatisticsOfARun, what_is_left_out_counts_in_no_contact) {

@@ -82,18 +82,19 @@ cp "$(dirname "$runner")/calibrate/heap.toml" "$scratch/my folder/pile.toml"
 grep -q '^| pile:mean_speed.last | 0.2 +- 0.02 m/s |' "$scratch/own/calibration.md"
 [[ $(find "$scratch/own/runs/pile" -name statistics.json | wc -l) -eq 6 ]]
 
-# refused TEXT WORDS...: exit 1 of Snakemake, and the text
+# refused TEXT WORDS...: a code other than 0, and the text
 refused() {
   local text=$1; shift
   if "$runner" calibrate --out "$scratch/${folder:-bad}" --cores 1 --config "$@" >"$log" 2>&1; then echo "accepted: $*"; exit 1; fi
   grep -qF "$text" "$log" || { echo "'$text' is not in the answer to $*:"; cat "$log"; exit 1; }
 }
-refused "keys: pairs.0.frictoin, lower bound: pairs.0.frictoin=0.1 is refused in heap" "target=heap:mass=1+-1" "keys=pairs.0.frictoin=0.1..0.9"
+refused "keys: pairs.0.frictoin: there is no key 'frictoin' in pairs.0" "target=heap:mass=1+-1" "keys=pairs.0.frictoin=0.1..0.9"
 refused "did you mean 'friction'?" "target=heap:mass=1+-1" "keys=pairs.0.frictoin=0.1..0.9"
 refused "keys: pairs.0.restitution, upper bound: pairs.0.restitution=1.5 is refused in heap" "target=heap:mass=1+-1" "keys=pairs.0.restitution=0.1..1.5"
 refused "keys: populations.0.count, between the bounds: populations.0.count=57.77 is refused in heap" "target=heap:mass=1+-1" "keys=populations.0.count=50..71"
-refused "set: populations.0.counts=4" "target=heap:mass=1+-1" "keys=pairs.0.restitution=0.1..0.5" "set=populations.0.counts=4"
-refused "no 'mas' in the summary of heap, did you mean mass?" "target=heap:mas=1+-1" "keys=pairs.0.friction=0.1..0.9" "$SMALL"
+refused "set: populations.0.counts: there is no key 'counts'" "target=heap:mass=1+-1" "keys=pairs.0.restitution=0.1..0.5" "set=populations.0.counts=4"
+refused "there is no quantity 'mas', did you mean 'mass'?" "target=heap:mas=1+-1" "keys=pairs.0.friction=0.1..0.9"
+refused "no 'mass' in the summary of heap" "target=heap:mass@wall 0 disc=1+-1" "keys=pairs.0.friction=0.1..0.9" "$SMALL"
 refused "mass is in kg, not in m" "target=heap:mass=1+-1 m" "keys=pairs.0.friction=0.1..0.9" "$SMALL"
 refused "there is no group 'lid' in the summary of heap; there are: all, wall 0 disc" "target=heap:mass@lid=1+-1" "keys=pairs.0.friction=0.1..0.9" "$SMALL"
 folder=hopper refused "is of the run (none given); there are: hopper-ball-13, hopper-ball-17" "target=hopper:discharge_rate=1+-1" "keys=pairs.0.friction=0.1..0.9" size=small

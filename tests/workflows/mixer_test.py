@@ -228,6 +228,10 @@ def main():
         index.append(lacey(frame.bodies.position[inside], (frame.bodies.shape_name[inside] == "tablet").astype(float)))
         assert rows["particle_count"][k] == inside.sum(), (k, rows["particle_count"][k], inside.sum())
         assert abs(rows["mixing_index"][k] - index[k]) < 1e-6, (k, rows["mixing_index"][k], index[k])
+        counted = frame.bodies[inside & frame.bodies.is_particle]
+        kinetic, weight = counted.kinetic_energy.sum(), 9.81 * (counted.mass * counted.position[:, 2]).sum()
+        assert abs(rows["kinetic_energy"][k] - kinetic) < 1e-6 * kinetic + 1e-15, (k, rows["kinetic_energy"][k], kinetic)
+        assert abs(rows["potential_energy"][k] - weight) < 1e-6 * abs(weight) + 1e-12, (k, rows["potential_energy"][k], weight)
     # from where all lie, apart, in a bed: half a turn later
     first = int(numpy.argmax([frame.time > START + 0.04 for frame in run.frames]))
     assert index[first] < 0.15 and index[-1] > index[first] + 0.05, f"the shaft mixes: {index[first]:.3f} to {index[-1]:.3f}"
@@ -243,6 +247,10 @@ def main():
     # damping and friction of a frame's contacts are those of half a step later: with impacts a few per cent of a single force
     scale = abs(by_contacts[moves]).max()
     assert abs(torque - by_contacts).max() < 0.05 * scale and abs(torque - by_contacts)[moves].mean() < 0.01 * scale, (torque, by_contacts)
+    # power and torque of a frame are those of one moment, and the log has rows at others
+    of_frames = walls["power"][walls["name"] == "shaft"]
+    turned = numpy.array([frame.time for frame in run.frames]) > START + 1e-3
+    assert turned.sum() > 5 and abs(of_frames + RATE * torque)[turned].max() < 1e-6 * abs(of_frames).max(), (of_frames, torque)
     log = run.log
     same = [(k, int(abs(log["time"] - frame.time).argmin())) for k, frame in enumerate(run.frames)]
     same = [(k, row) for k, row in same if abs(log["time"][row] - run.frames[k].time) < 1e-9]   # steps of their own, but at the end

@@ -1,5 +1,6 @@
 """What a calibration is asked for: the words of --config, read and checked. Errors are ValueErrors that say what was found, what was expected and
 what to do. Nothing is run here."""
+import difflib
 import math
 import os
 import re
@@ -7,7 +8,10 @@ import sys
 from dataclasses import dataclass
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from case_keys import Wrong, problem_of  # noqa: E402
+from config_words import snakefile_of, words_of  # noqa: E402
 from run_record import NUMBER, unit_of  # noqa: E402
+from sweep_quantity import OF_BODIES, OF_WALLS  # noqa: E402
 
 # of this folder: words of scree-post statistics
 SCENES = {"heap": "--frames last --repose cone", "drum": "--from 0.4 --repose slope", "slide": "--frames last"}
@@ -16,6 +20,10 @@ KINDS = ("mean", "last", "min", "max")
 EXAMPLE = {"target": "heap:angle_of_repose=15+-1;drum:angle_of_repose=37+-1", "keys": "pairs.0.friction=0.05..0.8;pairs.0.rolling_friction=0..0.5"}
 # the other words of --config, and what they are when not given; all else goes on to the workflow of the case
 DEFAULTS = {"case": "heap", "set": "", "budget": 56, "start": None, "replicas": 3, "batch": 4, "stop": 0.3, "seed": 1, "experiments": None, "survey": 12}
+# word of --config that is read here -> its default as a text
+WORDS = {"target": "", "keys": "", **{name: str(value or "") for name, value in DEFAULTS.items()}}
+NOT_WORDS = ("points", "plot", "sweep")   # of the workflows of the cases: those that calibrate.py sets, or that make no sense with it
+OF_GATES = ["mass_flow", "residence_time"]
 MOST_KEYS = 6
 FEWEST = 6            # answers that a surrogate is made from
 REPLICATED = 2        # points that are run with several seeds
@@ -259,8 +267,7 @@ def read(config, folder="."):
     numbers = {name: number_of(config, name, kind, low) for name, kind, low in (
         ("budget", int, 1), ("start", int, 4), ("replicas", int, 1), ("batch", int, 1), ("stop", float, 0), ("seed", int, 0), ("survey", int, FEWEST))}
     numbers["start"] = numbers["start"] or 8 + 4 * len(keys)
-    ours = {*DEFAULTS, *EXAMPLE}
-    words = {"ranks": "1", **{name: value for name, value in config.items() if name not in ours}}
+    words = {"ranks": "1", **{name: value for name, value in config.items() if name not in WORDS}}
     settings = Settings(targets, keys, tuple(fixed), **numbers, experiments=experiments, words=tuple(f"{name}={value}" for name, value in words.items()))
     each = settings.first_runs // len(scenes)
     if each < FEWEST:
@@ -269,4 +276,34 @@ def read(config, folder="."):
         raise ValueError(f"budget={settings.budget} is too small: the first design takes {settings.first_runs} runs ({settings.start} points, {REPLICATED} of them with "
                          f"{settings.replicas} seeds, in {len(scenes)} scene{'s' if len(scenes) > 1 else ''}). Give budget={settings.first_runs + 4 * settings.batch} or more, or fewer "
                          f"start= points or replicas=")
+    return settings
+
+
+def did_you_mean(name, known):
+    near = difflib.get_close_matches(name, known, 1)
+    return f", did you mean '{near[0]}'?" if near else f"; there are: {', '.join(known)}"
+
+
+def check(config, folder="."):
+    """As read, and refuses names that no case has: words of --config that neither this workflow nor that of a scene reads, keys, quantities."""
+    settings = read(config, folder)
+    cases = dict.fromkeys(scene.case for scene in (*settings.scenes, *settings.experiments))
+    try:
+        theirs = {name for case in cases for name in words_of(snakefile_of(case)).all}
+    except Wrong as reason:
+        raise ValueError(str(reason)) from None
+    known = [*WORDS, *sorted(theirs - {*WORDS, *NOT_WORDS})]
+    for name, value in config.items():
+        if name not in known:
+            near = difflib.get_close_matches(name, known, 1)
+            raise ValueError(f"--config {name}={plain(value)}: {OWN} has no word '{name}'" + (f", did you mean '{near[0]}'? There are: " if near else "; there are: ") +
+                             ", ".join(known))
+    paths = [("keys", path) for key in settings.keys for _, path in key.paths] + [("set", text.partition("=")[0]) for _, text in settings.fixed]
+    for word, path in paths:
+        if (problem := problem_of(path)) is not None:
+            raise ValueError(f"{word}: {path}: {problem} (decomposer/CASE.md)")
+    for target in settings.targets:
+        quantities = OF_BODIES if target.group == "all" else [*OF_BODIES, *OF_WALLS, *OF_GATES]
+        if target.quantity not in quantities:
+            raise ValueError(f"target: {target.name}: there is no quantity '{target.quantity}'{did_you_mean(target.quantity, quantities)}")
     return settings

@@ -27,6 +27,7 @@ sys.dont_write_bytecode = True
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
 sys.path[:0] = [HERE, os.path.join(HERE, ".."), os.path.join(ROOT, "post", "python")]
+import config_words  # noqa: E402
 import scree  # noqa: E402
 from answers import Wrong, check_name, fragments_of, goal_of, numbers_of, seconds_of  # noqa: E402
 from campaign import START, Campaign, Stop  # noqa: E402
@@ -51,6 +52,9 @@ class Words(argparse.ArgumentParser):
 
 
 def read_words(words):
+    if {"-h", "--help"} & set(words):
+        print(__doc__.partition("usage: ")[2].replace("error.py CASE", "workflows/run CASE", 1).strip())
+        sys.exit(0)
     parser = Words(prog="workflows/run CASE --error", add_help=False, allow_abbrev=False)
     parser.add_argument("case")
     parser.add_argument("--error", action="store_true")
@@ -87,6 +91,10 @@ def read_words(words):
         if not re.fullmatch(r"[A-Za-z0-9_-]+", known.case) or not os.path.isfile(os.path.join(HERE, "..", known.case, "Snakefile")):
             raise Wrong(f"no case '{known.case}'; give a case of workflows, CASE/RUN for one of several runs, or the path of a case of yours, PATH/case.toml")
         out = os.path.join(HERE, "..", known.case, "out")
+    try:
+        config_words.check(config_words.snakefile_of(known.case), os.path.basename(known.case), known.config, is_points=True)
+    except config_words.Wrong as reason:
+        raise Wrong(str(reason)) from None
     known.folder = os.path.abspath(known.out or os.path.join(out, "error", known.run or ""))
     return known, further
 

@@ -71,6 +71,7 @@ class Engine(AfterSteps, HeatOfEngine, ReadAttributes):
 
         scene_path, *given = self._together(arguments)
         self._scene_path = os.fsdecode(scene_path)
+        self._has_folder = run is not None
         address = None if own is None else sys.modules["mpi4py.MPI"]._addressof(own)  # type: ignore[attr-defined]
         handle = c_pointer()
         with of_the_wheel():
@@ -126,7 +127,7 @@ class Engine(AfterSteps, HeatOfEngine, ReadAttributes):
     # -- steps
 
     def step(self, n: int = 1) -> None:
-        """Makes n steps. With a run folder, a step after the end of the run is a UsageError. Raises KeyboardInterrupt after a Ctrl-C."""
+        """Makes n steps. With a run folder, they end with the run, and a step after its end is a UsageError. Raises KeyboardInterrupt after a Ctrl-C."""
         self._advance(whole("step", n, 0))
 
     def run_until(self, time: float) -> None:
@@ -149,7 +150,7 @@ class Engine(AfterSteps, HeatOfEngine, ReadAttributes):
             count -= part
             if part and self._after:
                 self._call_after()
-            if count == 0:
+            if count == 0 or (self._has_folder and self.is_over):
                 return
 
     @property
@@ -174,7 +175,7 @@ class Engine(AfterSteps, HeatOfEngine, ReadAttributes):
 
     @property
     def is_over(self) -> bool:
-        """Whether a run with a folder has reached its end: the duration of the case, or rest."""
+        """Whether the duration of the case has passed; with a run folder, whether the run has ended, by its duration or at rest."""
         return bool(self._fact("is_over"))
 
     @property

@@ -25,6 +25,8 @@ class Statistics(Mapping[str, Table]):
         """folder: NAME.statistics. Raises InputError when it has no statistics.json or a newer one."""
         self.folder: str = os.fspath(folder)  #: it was read from
         path = os.path.join(self.folder, "statistics.json")
+        if not os.path.exists(path):
+            raise InputError(f"{path}: no such file; make it with scree-post statistics NAME.run -o {self.folder}")
         self.numbers: dict[str, Any] = _json_file(path, "scree-statistics")  #: all of statistics.json
         self._names = sorted(name.removesuffix(".csv") for name in os.listdir(self.folder) if name.endswith(".csv"))
         self._tables: dict[str, Table] = {}
