@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "core/base/nearest_name.hpp"
+#include "core/base/numbers.hpp"
 #include "core/base/one_line.hpp"
 
 namespace scree {
