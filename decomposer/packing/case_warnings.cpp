@@ -11,6 +11,7 @@
 #include "core/distance/mesh_distance.hpp"
 #include "core/geometry/closed_mesh.hpp"
 #include "core/geometry/half_edges.hpp"
+#include "core/geometry/mass_properties.hpp"
 #include "core/storage/attraction.hpp"
 #include "core/storage/plasticity.hpp"
 #include "decomposer/packing/start_points.hpp"
@@ -513,9 +514,12 @@ void warn_of_closed_walls(const Case& c, const SceneParts& parts, const Scene& s
   for (std::size_t w = 0; w < c.walls.size(); ++w) {
     const Wall& wall = parts.walls[w];
     if (wall.kind != WallKind::mesh) continue;
-    const TriangleMesh& mesh = parts.wall_bodies[w].shape->shape.mesh;
+    TriangleMesh mesh = parts.wall_bodies[w].shape->shape.mesh;
     const double tests = static_cast<double>(bodies.size()) * static_cast<double>(mesh.triangles.size());
     if (tests > kMostTests || !is_closed(mesh)) continue;
+    if (mass_properties(mesh).volume < 0) {  // the inside of a container, whose normals look in
+      for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+    }
     std::size_t inside = 0, outside = 0;
     for (std::size_t b = 0; b < bodies.size(); ++b) {
       if (bodies.fixed[b]) continue;

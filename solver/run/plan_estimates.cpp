@@ -124,13 +124,18 @@ class Estimates {
   }
   /// Processor time of a body and step, the mean over the run [s].
   double time_of_body(const Pace& pace) const {
-    const double of_step =
-        bed_ ? time_as_bed(pace, bed_->resting) / static_cast<double>(std::max<std::int64_t>(steps_, 1)) : pace.per_step();
+    const double of_step = (bed_        ? time_as_bed(pace, bed_->resting)
+                            : is_asked_ ? guess()
+                                        : pace.per_step() * static_cast<double>(std::max<std::int64_t>(steps_, 1))) /
+                           static_cast<double>(std::max<std::int64_t>(steps_, 1));
     return of_step / std::max(1.0, bodies_at(0));
   }
   /// Processor time that a sample may take [s]: a tenth of what the run may take, and no more than a user waits for.
   double sample_budget() const { return std::clamp(0.1 * guess(), 5.0, 20.0); }
-  void take(const std::optional<BedSample>& bed) { bed_ = bed; }
+  void take(const std::optional<BedSample>& bed) {
+    bed_ = bed;
+    is_asked_ = true;
+  }
 
   std::string text(const Pace& pace, double memory) {
     if (pace.steps > 0) add_time(pace);
@@ -219,7 +224,14 @@ class Estimates {
     const double all = pace.per_step() * static_cast<double>(steps_);
     line("wall time", fmt::format("about {} at the pace of {} steps that were just made ({:.3g} us a step, {} contacts)",
                                   format_duration(all), pace.steps, 1e6 * pace.per_step(), pace.contacts));
-    if (contacts_at_rest() > 2 * static_cast<double>(pace.contacts))
+    if (is_asked_) {
+      line("", fmt::format("once all lie in a bed, with about {:.0f} contacts, it would be {} ({} to {}), from the usual cost of a body "
+                           "there: {:.3g} us a step",
+                           contacts_at_rest(), format_duration(guess()), format_duration(guess() / kSpread),
+                           format_duration(guess() * kSpread), 1e6 * guess() / std::max(1.0, mean_bodies() * static_cast<double>(steps_))));
+      line("", fmt::format("no sample of the bed was settled: with this step it would take longer than the {:.0f} s that a plan may take",
+                           sample_budget()));
+    } else if (contacts_at_rest() > 2 * static_cast<double>(pace.contacts))
       line("",
            fmt::format("a heap of all bodies has about {:.0f} contacts, and steps take several times as long then", contacts_at_rest()));
     add_load(pace);
@@ -345,6 +357,7 @@ class Estimates {
   const Settings& settings_;
   const StepSize step_;
   std::optional<BedSample> bed_;
+  bool is_asked_ = false;            ///< a sample was asked for; without bed_ there was no time for one
   std::vector<double> mean_masses_;  ///< of the bodies of each inlet [kg]
   std::vector<double> masses_;       ///< of the bodies that move, ascending [kg]
   std::int64_t steps_ = 0;
