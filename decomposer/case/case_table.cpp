@@ -27,6 +27,7 @@ std::string value_text(const toml::node& node) {
   std::ostringstream text;
   node.visit([&](const auto& value) { text << value; });
   std::string result = text.str();
+  if (node.is_table() || node.is_array()) std::replace(result.begin(), result.end(), '\n', ' ');  // toml++ writes tables in lines
   if (node.is_string()) {
     result = node.value_or(std::string{});
     result = "\"" + result + "\"";

@@ -458,7 +458,8 @@ void MarginRule::check_derived(double derived) const {
                      choices({case_.settings, from_touch_ ? depth_ / (2 * kOverlapShare) : derived, smallest_, lightest_, softest_,
                               report_.fastest_impact, by_modulus, from_touch_, steepest}));
   }
-  if (derived > kNoticeShare * smallest_) report_.notices.push_back(advice);
+  constexpr double kClearly = 1.05;  // nearer, both percentages of the advice read the same
+  if (derived > kClearly * kNoticeShare * smallest_) report_.notices.push_back(advice);
 }
 
 void MarginRule::set_ratio() {

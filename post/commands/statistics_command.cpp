@@ -101,8 +101,12 @@ Command add_statistics(CLI::App& app) {
               if (run.frames[f].time >= o->from && run.frames[f].time <= o->to) options.frames.push_back(f);
             }
             if (options.frames.empty()) {
-              throw UsageError("--from {} --to {}: no frame between; {} has frames from {} s to {} s", o->from, o->to, run.folder,
-                               run.frames.front().time, run.frames.back().time);
+              std::string given;
+              if (o->from > -1e308) given += fmt::format("--from {} ", o->from);
+              if (o->to < 1e308) given += fmt::format("--to {} ", o->to);
+              throw UsageError("{}: no frame between; {} has frames from {} s to {} s",
+                               given.empty() ? "--frames" : given.substr(0, given.size() - 1), run.folder, run.frames.front().time,
+                               run.frames.back().time);
             }
             for (const std::string& text : o->regions) {
               options.regions.push_back(parse_region(text));

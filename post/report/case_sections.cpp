@@ -9,10 +9,57 @@
 #include "core/base/provenance.hpp"
 #include "core/base/units.hpp"
 #include "core/base/version.hpp"
+#include "core/storage/scene_keys.hpp"
 #include "core/storage/start_state.hpp"
 #include "post/report/html.hpp"
 
 namespace scree {
+
+namespace {
+
+/// The keys of a pair of materials with their values, as a case gives them.
+class KeyTexts : public KeyVisitor {
+ public:
+  std::vector<std::pair<std::string, std::string>> texts;
+
+  void number(const Key& key, double& value, Dimension dimension, Range /*range*/) override {
+    texts.emplace_back(key.name, dimension == Dimension::none ? fmt::format("{:.4g}", value) : format_quantity(value, dimension));
+  }
+  void count(const Key& key, std::uint64_t& value) override { texts.emplace_back(key.name, fmt::format("{}", value)); }
+  void boolean(const Key& key, bool& value) override { texts.emplace_back(key.name, value ? "true" : "false"); }
+  void text(const Key& key, std::string& value) override { texts.emplace_back(key.name, value); }
+  void vector(const Key& /*key*/, Vec3& /*value*/, Dimension /*dimension*/) override {}
+  void direction(const Key& /*key*/, Vec3& /*value*/) override {}
+  void velocity(const Key& /*key*/, double& /*speed*/, Vec3& /*direction*/) override {}
+  void numbers(const Key& /*key*/, std::vector<double>& /*values*/, Dimension /*dimension*/) override {}
+  void vectors(const Key& /*key*/, std::vector<Vec3>& /*values*/, Dimension /*dimension*/) override {}
+  void axes(const Key& /*key*/, std::array<bool, 3>& /*value*/) override {}
+
+ protected:
+  void choose(const Key& key, std::size_t& index, const std::vector<std::string>& words) override {
+    texts.emplace_back(key.name, words[index]);
+  }
+};
+
+/// "rolling_friction 0.1, plasticity 0.5": keys of a pair that are not those of a new one, without stiffness, restitution and friction,
+/// which have columns.
+std::string other_keys(MaterialPair pair, const Settings& settings) {
+  KeyTexts of_pair, of_default;
+  MaterialPair fresh;
+  if (pair.friction_sliding == pair.friction) pair.friction_sliding = fresh.friction_sliding;
+  pair_keys(of_pair, pair, settings);
+  pair_keys(of_default, fresh, settings);
+  std::string text;
+  for (const auto& entry : of_pair.texts) {
+    const std::string& name = entry.first;
+    if (name == "stiffness" || name == "modulus" || name == "restitution" || name == "friction") continue;
+    if (std::find(of_default.texts.begin(), of_default.texts.end(), entry) != of_default.texts.end()) continue;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, entry.second);
+  }
+  return text;
+}
+
+}  // namespace
 
 std::string verdict_section(const std::vector<Verdict>& verdicts) {
   static const std::map<Judgement, std::pair<const char*, const char*>> kSigns{{Judgement::good, {"good", "&#10003;"}},
@@ -134,15 +181,15 @@ std::string case_section(const Run& run) {
   html +=
       "<h3>Materials and contacts</h3>\n<table "
       "class=\"grid-table\"><thead><tr><th>between</th><th>stiffness</th><th>restitution</th><th>friction</th>"
-      "</tr></thead><tbody>\n";
+      "<th>further</th></tr></thead><tbody>\n";
   for (const MaterialPair& p : scene.pairs) {
-    html += fmt::format("<tr><td>{} &ndash; {}</td><td class=\"n\">{}</td><td class=\"n\">{:.4g}</td><td class=\"n\">{:.4g}</td></tr>\n",
-                        escaped(scene.materials[static_cast<std::size_t>(p.a)].name),
-                        escaped(scene.materials[static_cast<std::size_t>(p.b)].name),
-                        p.modulus > 0     ? format_quantity(p.modulus, Dimension::pressure) + " by size"
-                        : p.stiffness > 0 ? format_quantity(p.stiffness, Dimension::stiffness)
-                                          : "by the materials",
-                        p.restitution, p.friction);
+    html += fmt::format(
+        "<tr><td>{} &ndash; {}</td><td class=\"n\">{}</td><td class=\"n\">{:.4g}</td><td class=\"n\">{:.4g}</td><td>{}</td></tr>\n",
+        escaped(scene.materials[static_cast<std::size_t>(p.a)].name), escaped(scene.materials[static_cast<std::size_t>(p.b)].name),
+        p.modulus > 0     ? format_quantity(p.modulus, Dimension::pressure) + " by size"
+        : p.stiffness > 0 ? format_quantity(p.stiffness, Dimension::stiffness)
+                          : "by the materials",
+        p.restitution, p.friction, escaped(other_keys(p, scene.settings)));
   }
   html += "</tbody></table>\n";
   if (!scene.walls.empty()) {

@@ -91,10 +91,14 @@ std::unordered_set<std::int64_t> ids_left_out(const Run& run, const std::vector<
       if (wall.name == name || fmt::format("{}", wall.id) == name) found.push_back(wall.id);
     }
     if (found.empty()) {
-      std::string list;
-      for (const Shape& shape : scene.shapes) list += (list.empty() ? "" : ", ") + shape.name;
-      for (const Material& material : scene.materials) list += ", " + material.name;
-      for (const Wall& wall : scene.walls) list += wall.name.empty() ? fmt::format(", {}", wall.id) : ", " + wall.name;
+      std::vector<std::string> words;  // the mesh of a wall has the name of the wall
+      const auto add = [&](const std::string& word) {
+        if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
+      };
+      for (const Shape& shape : scene.shapes) add(shape.name);
+      for (const Material& material : scene.materials) add(material.name);
+      for (const Wall& wall : scene.walls) add(wall.name.empty() ? fmt::format("{}", wall.id) : wall.name);
+      const std::string list = fmt::format("{}", fmt::join(words, ", "));
       throw UsageError("--without {}: no body and no wall of the run has this shape, material, name or id; it has: {}, and ids of bodies",
                        name, list);
     }

@@ -470,7 +470,9 @@ std::string summary_of(const Statistics& s) {
     for (std::size_t q = 0; q < s.quantities.size(); ++q) {
       const Average& a = s.averages[g][q];
       if (a.count == 0) continue;
-      const std::string spread = std::isfinite(a.ci95) ? fmt::format("+- {:.2g}", a.ci95) : std::string();
+      constexpr double kRounding = 1e-12;  // of the mean: a quantity that does not change
+      const bool varies = std::isfinite(a.ci95) && a.ci95 > kRounding * std::abs(a.mean);
+      const std::string spread = varies ? fmt::format("+- {:.2g}", a.ci95) : std::string();
       text += fmt::format("  {:<38} {:>12.5g} {:<12} {}\n", s.quantities[q].name, a.mean, spread,
                           s.quantities[q].unit == "-" ? "" : s.quantities[q].unit);
     }
