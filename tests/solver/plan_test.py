@@ -57,9 +57,9 @@ rate = "0.1 kg/s"
 """
 
 
-def bed(name, duration, shape="sphere = { radius = 0.005 }", margin=0, source=None, gravity=-9.81):
+def bed(name, duration, shape="sphere = { radius = 0.005 }", margin=0, source=None, gravity=-9.81, stiffness=4000):
     pack(name, BED.format(duration=duration, shape=shape, margin=margin, source=source or POPULATION.format(top=0.3), every=duration / 4,
-                          gravity=gravity))
+                          gravity=gravity).replace("stiffness = 4000", f"stiffness = {stiffness}"))
 
 
 def plan_of(name, *words):
@@ -109,6 +109,16 @@ def no_sample_where_none_is_needed():
         assert "a sample of" not in plan_of(name), name
 
 
+def a_sample_that_would_take_too_long_is_named():
+    """Balls so stiff that they make millions of steps while they fall: the usual cost of a body in a bed, and why."""
+    bed("stiff", 10, stiffness=4e11)
+    plan = plan_of("stiff", "--ranks", "4")
+    found = re.search(r"once all lie in a bed, with about (\d+) contacts, it would be .+ \(.+ to .+\), from the usual cost of a body there: ([\d.e+-]+) us", plan)
+    assert found and "no sample of the bed was settled" in plan, plan
+    assert 140 < int(found[1]) < 1400 and 0.05 < float(found[2]) < 50, plan
+    assert re.search(r"4 ranks +about", plan), plan
+
+
 def ranks_are_counted_as_the_solver_counts_them():
     """Bodies, ghosts and neighbours of a part on four ranks: what --plan --ranks 4 says, and what four ranks hold at the start."""
     bed("parts", 0.001)
@@ -138,5 +148,5 @@ def ranks_without_a_plan_are_refused():
         assert says in told.stderr, told.stderr
 
 
-main([the_sample_of_a_bed_has_the_contacts_of_the_bed, a_sample_is_made_of_what_inlets_will_bring, no_sample_where_none_is_needed,
+main([the_sample_of_a_bed_has_the_contacts_of_the_bed, a_sample_is_made_of_what_inlets_will_bring, no_sample_where_none_is_needed, a_sample_that_would_take_too_long_is_named,
       ranks_are_counted_as_the_solver_counts_them, ranks_without_a_plan_are_refused])
