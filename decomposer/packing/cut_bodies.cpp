@@ -67,11 +67,10 @@ class Cutter {
     for (const CaseBond& within : case_.bonds) {
       if (within.material < 0 || held_.contains(within.material)) continue;
       const std::string& name = case_.materials[static_cast<std::size_t>(within.material)].name;
-      throw UsageError(
-          "{}.within = \"{}\": no body of that material starts as pieces, so that nothing would be bonded; give the shape pieces, for "
-          "instance "
-          "pieces = {{ cells = 20 }}, or bond bodies that lie face to face with between = [\"{}\", \"{}\"]",
-          within.where, name, name, name);
+      report_.notices.push_back(fmt::format(
+          "{}.within = \"{}\": no body of that material starts as pieces, so that these bonds hold nothing; give the shape pieces, for "
+          "instance pieces = {{ cells = 20 }}, or bond bodies that lie face to face with between = [\"{}\", \"{}\"]",
+          within.where, name, name, name));
     }
     // several faces may join two pieces: they stay in the order of the file
     std::stable_sort(scene_.bonds.begin(), scene_.bonds.end(),

@@ -106,6 +106,15 @@ TEST(Doubts, a_region_that_reaches_through_a_closed_wall) {
       {drum, {"count = 20", "count = 2"}, {"box = [[0, 0, 0], [0.08, 0.08, 0.08]]", "box = [[0.03, 0.03, 0], [0.05, 0.05, 0.08]]"}})));
 }
 
+TEST(Doubts, bonds_within_a_material_of_which_no_body_has_pieces) {
+  std::string text = kCase;
+  text += "[[bonds]]\nwithin = \"stone\"\nyoung = 1e7\n";
+  const std::vector<std::string> notices = build_scene(test::touching_outside(parse_case(text, "case.toml", ""))).report.notices;
+  EXPECT_TRUE(std::any_of(notices.begin(), notices.end(), [](const std::string& notice) {
+    return notice.find("bonds[0].within = \"stone\"") != std::string::npos && notice.find("hold nothing") != std::string::npos;
+  }));
+}
+
 TEST(Doubts, a_temperature_of_liquid_gases) {
   const std::pair<std::string, std::string> heat{"[contact]", "[heat]\ntemperature = 20\n[contact]"},
       stone{"density = 2700", "density = 2700\nyoung = 5e10\npoisson = 0.25\nheat_capacity = 800\nconductivity = 2"};

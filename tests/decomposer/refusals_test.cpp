@@ -316,12 +316,6 @@ TEST(Refusals, friction_as_an_angle_is_answered_with_its_tangent) {
   expect_says(failure(text, ExitCode::usage), {"friction = \"22 deg\"", "tangent", "write 0.404026"});
 }
 
-TEST(Refusals, bonds_within_a_material_without_pieces) {
-  const std::string bonds = "[[bonds]]\nwithin = \"stone\"\nyoung = 1e9\n";
-  const std::string body = "[[bodies]]\nshape = \"ball\"\nmaterial = \"stone\"\nposition = [0, 0, 3]\n";
-  expect_says(failure(kHead + kMargin + body + bonds, ExitCode::usage), {"bonds[0]", "within = \"stone\"", "pieces", "between"});
-}
-
 TEST(Refusals, balls_have_no_elastic_layer_where_they_touch_at_their_drawn_surface) {
   std::string head = kHead;
   const auto at = head.find("stiffness");
