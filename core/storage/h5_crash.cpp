@@ -38,9 +38,13 @@ bool is_in_library() {
   });
 }
 
-/// Comes once: after it, the signal does what it does by default.
-void on_crash(int /*signal*/) {
-  if (opened[0] == '\0' || !is_in_library()) return;
+/// Comes once: after it, the signal does what it does by default, which is what raise() asks for where the library is not to blame.
+void on_crash(int signal, siginfo_t* info, void* /*context*/) {
+  const bool is_sent = info->si_code <= 0 && info->si_pid != getpid();  // by another process
+  if (is_sent || opened[0] == '\0' || !is_in_library()) {
+    raise(signal);
+    return;
+  }
   say(the_program);
   say(": error: ");
   say(opened.data());
@@ -60,8 +64,8 @@ void explain_crashes([[maybe_unused]] const char* program) {
   own.ss_size = stack.size();
   sigaltstack(&own, nullptr);
   struct sigaction action {};
-  action.sa_handler = on_crash;
-  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_ONSTACK);
+  action.sa_sigaction = on_crash;
+  action.sa_flags = static_cast<int>(SA_SIGINFO | SA_RESETHAND | SA_ONSTACK);
   sigemptyset(&action.sa_mask);
   for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGABRT}) sigaction(signal, &action, nullptr);
 #endif
