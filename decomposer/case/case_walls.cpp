@@ -168,10 +168,6 @@ void wall_section(CaseKeys& k, Case& c) {
   if (w.form || shape == "file") w.wall.kind = WallKind::mesh;
   w.wall.name = fmt::format("{} {}", shape == "file" ? "mesh" : shape, c.walls.size());
   k.text({"name", "kind and number", "for messages"}, w.wall.name);
-  for (const CaseWall& other : c.walls) {
-    if (t != nullptr && other.wall.name == w.wall.name)
-      throw t->error("name", fmt::format("is given twice; first at {}: post and Python name walls by it", other.where));
-  }
   if (k.when(w.wall.kind == WallKind::mesh)) {
     k.vector({"position", "", "of a mesh: where the origin of its file or form is placed"}, w.wall.position, Dimension::length);
     k.orientation({"orientation", "", "of a mesh"}, w.wall.orientation);

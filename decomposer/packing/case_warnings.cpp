@@ -83,6 +83,18 @@ void warn_of_materials(const Case& c, std::vector<std::string>& warnings) {
         fmt::format("no friction is given, so that there is none: {}; write friction = 0 where that is meant", frictionless));
 }
 
+/// Post and Python find walls by their names: of two of one name the first, or both.
+void warn_of_names(const Case& c, std::vector<std::string>& warnings) {
+  std::map<std::string, const CaseWall*> first;
+  for (const CaseWall& w : c.walls) {
+    const auto [known, is_new] = first.emplace(w.wall.name, &w);
+    if (!is_new)
+      warnings.push_back(
+          fmt::format("{}.name = \"{}\" is the name of {} too; tables and Python find walls by their names, so give each its own", w.where,
+                      w.wall.name, known->second->where));
+  }
+}
+
 /// A temperature without a unit is in kelvin, and 20 is liquid hydrogen.
 void warn_of_temperatures(const Case& c, std::vector<std::string>& warnings) {
   if (!c.settings.heat) return;
@@ -615,6 +627,7 @@ std::vector<std::string> warnings_of_case(const Case& c) {
   warn_of_materials(c, warnings);
   warn_of_surroundings(c, warnings);
   warn_of_temperatures(c, warnings);
+  warn_of_names(c, warnings);
   warn_of_times(c, warnings);
   return warnings;
 }

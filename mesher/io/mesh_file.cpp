@@ -34,7 +34,6 @@ void check_readable(const std::string& path) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
   if (!file) {
     const int reason = errno;
-    if (reason == ENOENT) throw InputError("{}: no such file{}", path, near_file(path));
     throw SystemError("cannot read {}: {}{}", path, std::strerror(reason), near_file(path));
   }
   std::error_code unknown;

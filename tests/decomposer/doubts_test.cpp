@@ -115,6 +115,13 @@ TEST(Doubts, bonds_within_a_material_of_which_no_body_has_pieces) {
   }));
 }
 
+TEST(Doubts, two_walls_of_one_name) {
+  const std::string lid =
+      "name = \"crate\"\nshape = { plane = { point = [0, 0, 0.2], normal = [0, 0, -1] } }\nmaterial = \"stone\"\n[[walls]]\nname = "
+      "\"crate\"";
+  expect_doubt({{"name = \"crate\"", lid}}, {"walls[1].name = \"crate\"", "is the name of", "walls[0]"});
+}
+
 TEST(Doubts, a_temperature_of_liquid_gases) {
   const std::pair<std::string, std::string> heat{"[contact]", "[heat]\ntemperature = 20\n[contact]"},
       stone{"density = 2700", "density = 2700\nyoung = 5e10\npoisson = 0.25\nheat_capacity = 800\nconductivity = 2"};

@@ -302,14 +302,6 @@ TEST(Refusals, attraction_by_area_is_told_as_work_over_a_range) {
   says("adhesion = 500\nadhesion_range = 1e-4", {"10 MPa", "layer_modulus", "10 MPa"});
 }
 
-TEST(Refusals, two_walls_of_one_name) {
-  const std::string wall =
-      "[[walls]]\nname = \"lid\"\nmaterial = \"stone\"\nshape = { plane = { point = [0, 0, 0], normal = [0, 0, 1] } }\n";
-  const std::string body = "[[bodies]]\nshape = \"ball\"\nmaterial = \"stone\"\nposition = [0, 0, 3]\n";
-  EXPECT_NO_THROW(pack(kHead + kMargin + body + wall));
-  expect_says(failure(kHead + kMargin + body + wall + wall, ExitCode::usage), {"walls[1].name = \"lid\"", "is given twice", "first at"});
-}
-
 TEST(Refusals, friction_as_an_angle_is_answered_with_its_tangent) {
   std::string text = kHead + kMargin + "[[bodies]]\nshape = \"ball\"\nmaterial = \"stone\"\nposition = [0, 0, 3]\n";
   text.replace(text.find("restitution = 0.5"), 17, "restitution = 0.5\nfriction = \"22 deg\"");
