@@ -19,4 +19,8 @@ bool is_closed(const TriangleMesh& mesh) {
   return forward == backward;
 }
 
+void turn_inside_out(TriangleMesh& mesh) {
+  for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+}
+
 }  // namespace scree

@@ -1,4 +1,4 @@
-// Whether a surface is closed.
+// Whether a surface is closed, and its other side.
 #pragma once
 
 #include "core/geometry/triangle_mesh.hpp"
@@ -7,5 +7,8 @@ namespace scree {
 
 /// Closed and oriented: each edge has as many triangles on either side. Cost: O(T log T).
 bool is_closed(const TriangleMesh& mesh);
+
+/// Reverses the winding of all triangles: normals point to the other side. Cost: O(T).
+void turn_inside_out(TriangleMesh& mesh);
 
 }  // namespace scree

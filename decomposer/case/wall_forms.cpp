@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/error.hpp"
+#include "core/geometry/closed_mesh.hpp"
 
 namespace scree {
 
@@ -76,7 +77,7 @@ class Tube {
 };
 
 TriangleMesh turned_inside_out(TriangleMesh mesh) {
-  for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+  turn_inside_out(mesh);
   return mesh;
 }
 

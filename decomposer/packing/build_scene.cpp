@@ -379,7 +379,7 @@ class Builder {
           where, wall.wall.name, wall.file);
     }
     if (!wall.form && mass_properties(mesh).volume < 0)  // walls may face either side
-      for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+      turn_inside_out(mesh);
     for (Vec3& p : mesh.vertices) p = placed.position + placed.scale * rotate(placed.orientation, p);
     return region_of(std::move(mesh));
   }

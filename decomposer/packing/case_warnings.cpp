@@ -108,6 +108,7 @@ void warn_of_temperatures(const Case& c, std::vector<std::string>& warnings) {
   look(c.settings.heat->temperature, "heat");
   for (const CaseBody& b : c.bodies) look(b.temperature, b.where);
   for (const CasePopulation& p : c.populations) look(p.temperature, p.where);
+  for (const CaseInlet& i : c.inlets) look(i.temperature, i.where);
   for (const CaseWall& w : c.walls) {
     if (w.wall.heat.has_temperature()) look(w.wall.heat.temperature.least(), w.where);
   }
@@ -521,7 +522,7 @@ void warn_of_openings(const Case& c, const SceneParts& parts, const Movers& move
 
 /// Bodies on both sides of a closed wall of triangles: a region that reaches through it.
 void warn_of_closed_walls(const Case& c, const SceneParts& parts, const Scene& scene, std::vector<std::string>& warnings) {
-  constexpr double kMostTests = 1e8;  // of a body against a triangle: a second
+  constexpr double kMostTests = 1e8;  // of a body against a triangle: some seconds
   const BodyTable& bodies = scene.bodies;
   for (std::size_t w = 0; w < c.walls.size(); ++w) {
     const Wall& wall = parts.walls[w];
@@ -530,7 +531,7 @@ void warn_of_closed_walls(const Case& c, const SceneParts& parts, const Scene& s
     const double tests = static_cast<double>(bodies.size()) * static_cast<double>(mesh.triangles.size());
     if (tests > kMostTests || !is_closed(mesh)) continue;
     if (mass_properties(mesh).volume < 0) {  // the inside of a container, whose normals look in
-      for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+      turn_inside_out(mesh);
     }
     std::size_t inside = 0, outside = 0;
     for (std::size_t b = 0; b < bodies.size(); ++b) {

@@ -11,6 +11,7 @@
 #include "core/base/one_line.hpp"
 #include "core/base/units.hpp"
 #include "core/base/utf8.hpp"
+#include "core/geometry/closed_mesh.hpp"
 #include "core/geometry/mass_properties.hpp"
 #include "mesher/check/mesh_check.hpp"
 #include "mesher/commands/certificate.hpp"
@@ -74,7 +75,7 @@ Shape import_one(const std::string& path, const std::string& name, const ImportO
   RepairCounts repairs = clean_mesh(file.mesh, options.surface);
   // a surface that agrees with itself has no outside to turn to: all of it is turned
   if (options.flip && options.surface && check_mesh(file.mesh).inconsistent_edges == 0) {
-    for (Triangle& t : file.mesh.triangles) std::swap(t[1], t[2]);
+    turn_inside_out(file.mesh);
     repairs.triangles_turned = file.mesh.triangle_count();
   } else if (options.flip && std::all_of(file.mesh.vertices.begin(), file.mesh.vertices.end(), is_finite)) {
     const std::int32_t turned = turn_outward(file.mesh);

@@ -5,6 +5,8 @@
 #include <map>
 #include <numbers>
 
+#include "core/geometry/closed_mesh.hpp"
+
 namespace scree {
 
 TriangleMesh icosphere(int level) {
@@ -181,7 +183,7 @@ TriangleMesh whole_wall(const Wall& wall, const Scene& scene, const Box3& room, 
       const Vec3 lower = component_max(wall.lower, room.lower - far), upper = component_min(wall.upper, room.upper + far);
       TriangleMesh box = box_mesh(upper - lower);
       for (Vec3& p : box.vertices) p += 0.5 * (lower + upper);
-      for (Triangle& t : box.triangles) std::swap(t[1], t[2]);
+      turn_inside_out(box);
       return box;
     }
     case WallKind::cylinder_inside:
@@ -189,7 +191,7 @@ TriangleMesh whole_wall(const Wall& wall, const Scene& scene, const Box3& room, 
     case WallKind::sphere_inside: {
       TriangleMesh ball = icosphere(level_of_sphere(wall.radius, 0));
       for (Vec3& p : ball.vertices) p = wall.point + wall.radius * p;
-      for (Triangle& t : ball.triangles) std::swap(t[1], t[2]);
+      turn_inside_out(ball);
       return ball;
     }
     case WallKind::mesh:
@@ -217,7 +219,7 @@ TriangleMesh wall_surface_in(const Frame& frame, const Wall& wall, const Scene& 
     case WallKind::box_inside:
       mesh = box_mesh(wall.upper - wall.lower);
       for (Vec3& p : mesh.vertices) p += 0.5 * (wall.lower + wall.upper);
-      for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+      turn_inside_out(mesh);
       break;
     case WallKind::cylinder_inside:
       mesh = inner_cylinder(wall.axis_start, wall.axis_end, wall.radius, sides_of_circle(wall.radius, deviation));
@@ -225,7 +227,7 @@ TriangleMesh wall_surface_in(const Frame& frame, const Wall& wall, const Scene& 
     case WallKind::sphere_inside:
       mesh = icosphere(level_of_sphere(wall.radius, deviation));
       for (Vec3& p : mesh.vertices) p = wall.point + wall.radius * p;
-      for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+      turn_inside_out(mesh);
       break;
     case WallKind::mesh:
       mesh = wall_mesh(wall, scene, &frame);

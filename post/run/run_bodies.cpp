@@ -11,8 +11,6 @@
 
 namespace scree {
 
-namespace {}
-
 RunBodies::RunBodies(const Run& run) {
   add_scene(run.scene);
   if (run.scene.inlets.empty() && !run.has_program()) return;

@@ -1,8 +1,9 @@
 #include "post/statistics/bed.hpp"
-#include "core/base/numbers.hpp"
 
 #include <algorithm>
 #include <cmath>
+
+#include "core/base/numbers.hpp"
 
 namespace scree {
 

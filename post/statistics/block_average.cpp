@@ -10,8 +10,6 @@
 
 namespace scree {
 
-namespace {}
-
 double student_95(std::size_t degrees_of_freedom) {
   if (degrees_of_freedom == 0) return kNaN;
   constexpr double kUpperTail = 0.025;

@@ -134,10 +134,14 @@ std::optional<WallPlace> place_of_container(const SceneFacts& facts, const Frame
   return wall_places(frame, facts.run->scene)[static_cast<std::size_t>(facts.container.wall)];
 }
 
+bool is_turned(const Container& container, const WallPlace& place) {
+  return container.room.kind == Region::Kind::box && !(place.orientation == Quat{});
+}
+
 /// The container where its wall is in a frame; nothing where it is as at the start, or where no box along the axes is its inside.
 std::optional<Region> moved_container(const SceneFacts& facts, const Frame& frame) {
   const std::optional<WallPlace> place = place_of_container(facts, frame);
-  if (!place || is_turned_box(facts, frame)) return std::nullopt;
+  if (!place || is_turned(facts.container, *place)) return std::nullopt;
   const Region& start = facts.container.room;
   Region room = start;
   room.lower = place->position + rotate(place->orientation, start.lower);
@@ -174,7 +178,7 @@ std::shared_ptr<const SceneFacts> facts_of_frame(const SceneFacts& facts, const 
 
 bool is_turned_box(const SceneFacts& facts, const Frame& frame) {
   const std::optional<WallPlace> place = place_of_container(facts, frame);
-  return place && facts.container.room.kind == Region::Kind::box && !(place->orientation == Quat{});
+  return place && is_turned(facts.container, *place);
 }
 
 FrameView::FrameView(const SceneFacts& the_facts, const Frame& the_frame)

@@ -1,5 +1,4 @@
 #include "post/statistics/space_measures.hpp"
-#include "core/base/numbers.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -7,6 +6,9 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <numeric>
+
+#include "core/base/numbers.hpp"
 
 namespace scree {
 
@@ -236,58 +238,96 @@ std::vector<double> pair_correlation(const FrameView& view, std::size_t shells, 
   return g;
 }
 
+namespace {
+
+/// Particles of two kinds in cubes that hold about 12 of them. Made once for all kinds that the same particles may have.
+class MixingCells {
+ public:
+  /// in   kind   by row of bodies: particles of kind 0 and 1 are counted
+  MixingCells(const FrameView& view, const std::vector<std::uint8_t>& kind) {
+    constexpr double kPerCell = 12;
+    const FrameBodies& b = view.frame.bodies;
+    Box3 box;
+    for (std::size_t i = 0; i < b.size(); ++i) {
+      if (view.is_particle[i] == 0 || kind[i] > 1) continue;
+      rows_.push_back(i);
+      box.add(b.position[i]);
+    }
+    if (is_noise()) return;
+    // an extent of 0 (a single layer) must not make the cell vanish
+    const Vec3 extent = box.extent();
+    const double largest = std::max({extent.x, extent.y, extent.z});
+    const double room = std::max(extent.x, 1e-6 * largest) * std::max(extent.y, 1e-6 * largest) * std::max(extent.z, 1e-6 * largest);
+    const double side = std::cbrt(room * kPerCell / static_cast<double>(rows_.size()));
+    std::map<std::array<std::int64_t, 3>, std::size_t> number;  // of each cell
+    cells_.reserve(rows_.size());
+    for (const std::size_t i : rows_) {
+      const Vec3 d = (1 / side) * (b.position[i] - box.lower);
+      const auto [found, is_new] = number.try_emplace(
+          {static_cast<std::int64_t>(d.x), static_cast<std::int64_t>(d.y), static_cast<std::int64_t>(d.z)}, number.size());
+      cells_.push_back(found->second);
+    }
+    counts_.resize(number.size());
+    for (const std::size_t cell : cells_) counts_[cell] += 1;
+    for (const auto& [place, cell] : number) by_place_.push_back(cell);
+  }
+
+  const std::vector<std::size_t>& rows() const { return rows_; }
+
+  /// Lacey's index; NaN where there are too few, or one kind alone.   in   is_one   by particle, in the order of rows(): 0 or 1
+  double index(const std::vector<std::uint8_t>& is_one) const {
+    if (is_noise()) return kNaN;
+    double ones = 0;
+    std::vector<double> in_cell(counts_.size());
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+      ones += is_one[k];
+      in_cell[cells_[k]] += is_one[k];
+    }
+    const double all = static_cast<double>(rows_.size()), p = ones / all;
+    if (!(p > 0 && p < 1)) return kNaN;
+    double variance = 0;
+    for (const std::size_t cell : by_place_) variance += counts_[cell] * std::pow(in_cell[cell] / counts_[cell] - p, 2) / all;
+    const double apart = p * (1 - p), random = apart * static_cast<double>(counts_.size()) / all;
+    return apart > random ? (apart - variance) / (apart - random) : kNaN;
+  }
+
+ private:
+  bool is_noise() const { return rows_.size() < 60; }  // with fewer than five cells the index is noise
+
+  std::vector<std::size_t> rows_, cells_;  // of each particle its row and its cell
+  std::vector<double> counts_;             // particles of each cell
+  std::vector<std::size_t> by_place_;      // the cells, in an order that no order of bodies changes
+};
+
+std::vector<std::uint8_t> kinds_of_rows(const MixingCells& cells, const std::vector<std::uint8_t>& kind) {
+  std::vector<std::uint8_t> is_one;
+  for (const std::size_t i : cells.rows()) is_one.push_back(kind[i]);
+  return is_one;
+}
+
+}  // namespace
+
 double mixing_index(const FrameView& view, const std::vector<std::uint8_t>& kind) {
-  constexpr double kPerCell = 12, kMin = 60;  // with fewer than five cells the index is noise
-  const FrameBodies& b = view.frame.bodies;
-  Box3 box;
-  double ones = 0, all = 0;
-  for (std::size_t i = 0; i < b.size(); ++i) {
-    if (view.is_particle[i] == 0 || kind[i] > 1) continue;
-    box.add(b.position[i]);
-    ones += kind[i];
-    all += 1;
-  }
-  const double p = ones / all;
-  const Vec3 extent = box.extent();
-  if (all < kMin || !(p > 0 && p < 1)) return kNaN;
-  // an extent of 0 (a single layer) must not make the cell vanish
-  const double largest = std::max({extent.x, extent.y, extent.z});
-  const double room = std::max(extent.x, 1e-6 * largest) * std::max(extent.y, 1e-6 * largest) * std::max(extent.z, 1e-6 * largest);
-  const double side = std::cbrt(room * kPerCell / all);
-  struct Cell {
-    double count = 0, ones = 0;
-  };
-  std::map<std::array<std::int64_t, 3>, Cell> cells;
-  for (std::size_t i = 0; i < b.size(); ++i) {
-    if (view.is_particle[i] == 0 || kind[i] > 1) continue;
-    const Vec3 d = (1 / side) * (b.position[i] - box.lower);
-    Cell& cell = cells[{static_cast<std::int64_t>(d.x), static_cast<std::int64_t>(d.y), static_cast<std::int64_t>(d.z)}];
-    cell.count += 1;
-    cell.ones += kind[i];
-  }
-  double variance = 0;
-  for (const auto& [place, cell] : cells) variance += cell.count * std::pow(cell.ones / cell.count - p, 2) / all;
-  const double apart = p * (1 - p), random = apart * static_cast<double>(cells.size()) / all;
-  return apart > random ? (apart - variance) / (apart - random) : kNaN;
+  const MixingCells cells(view, kind);
+  return cells.index(kinds_of_rows(cells, kind));
 }
 
 double mixing_index_apart(const FrameView& view, const std::vector<std::uint8_t>& kind) {
-  std::vector<std::size_t> rows;
-  std::size_t ones = 0;
-  for (std::size_t i = 0; i < kind.size(); ++i) {
-    if (view.is_particle[i] == 0 || kind[i] > 1) continue;
-    rows.push_back(i);
-    ones += kind[i];
-  }
+  const MixingCells cells(view, kind);
+  const std::vector<std::uint8_t> kinds = kinds_of_rows(cells, kind);
+  const auto ones = static_cast<std::size_t>(std::count(kinds.begin(), kinds.end(), 1));
+  const std::vector<std::size_t>& rows = cells.rows();
+  std::vector<std::size_t> order(rows.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
   double least = kNaN;
   for (int axis = 0; axis < 3; ++axis) {
-    const auto place = [&](std::size_t i) { return view.frame.bodies.position[i][axis]; };
-    std::sort(rows.begin(), rows.end(),
+    const auto place = [&](std::size_t k) { return view.frame.bodies.position[rows[k]][axis]; };
+    std::sort(order.begin(), order.end(),
               [&](std::size_t i, std::size_t j) { return place(i) < place(j) || (place(i) == place(j) && i < j); });
     for (const bool from_below : {true, false}) {
-      std::vector<std::uint8_t> layers(kind.size(), 2);
-      for (std::size_t k = 0; k < rows.size(); ++k) layers[rows[k]] = (from_below ? k : rows.size() - 1 - k) < ones ? 1 : 0;
-      least = std::fmin(least, mixing_index(view, layers));
+      std::vector<std::uint8_t> is_one(rows.size());
+      for (std::size_t k = 0; k < ones; ++k) is_one[order[from_below ? k : rows.size() - 1 - k]] = 1;
+      least = std::fmin(least, cells.index(is_one));
     }
   }
   return least;
@@ -310,10 +350,11 @@ std::array<double, 3> size_segregation(const FrameView& view) {
     if (one_size_rules) return d < fine * (1 - kSameSize) ? 0 : d > coarse * (1 + kSameSize) ? 2 : 1;
     return d <= fine * (1 + kSameSize) ? 0 : d >= coarse * (1 - kSameSize) ? 2 : 1;
   };
+  const MixingCells cells(view, std::vector<std::uint8_t>(b.size(), 0));
   for (std::size_t size_class = 0; size_class < 3; ++size_class) {
-    std::vector<std::uint8_t> kind(b.size(), 0);
-    for (std::size_t i = 0; i < b.size(); ++i) kind[i] = size_class == class_of(diameter[i]) ? 1 : 0;
-    segregation[size_class] = 1 - mixing_index(view, kind);
+    std::vector<std::uint8_t> is_one;
+    for (const std::size_t i : cells.rows()) is_one.push_back(size_class == class_of(diameter[i]) ? 1 : 0);
+    segregation[size_class] = 1 - cells.index(is_one);
   }
   return segregation;
 }

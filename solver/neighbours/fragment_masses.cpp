@@ -1,8 +1,9 @@
 #include "solver/neighbours/fragment_masses.hpp"
-#include "core/base/index.hpp"
 
 #include <algorithm>
 #include <array>
+
+#include "core/base/index.hpp"
 
 namespace scree {
 

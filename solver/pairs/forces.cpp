@@ -87,8 +87,9 @@ Deepest evaluate_all(PairPass& pass, std::span<const std::int32_t> which) {
 /// Names the pair that makes the run invalid, if one does.
 void check_pass(const PairPass& pass, std::span<const std::int32_t> which, std::int64_t step, const Deepest& deepest) {
   const auto describe = [&](std::int32_t k) { return name_of_pair(pass.scene, pass.list.stored_pairs()[static_cast<std::size_t>(k)].key); };
+  const bool has_margin = pass.scene.source().settings.margin > 0;
   const char* general = step == 0 ? "they overlap at the start: move them, or let scree-decomposer part them with contact.relax = true"
-                        : (pass.scene.source().settings.margin > 0)
+                        : has_margin
                             ? "the contact is too soft for this speed or load: raise the stiffness or the margin, or lower the speed"
                             : "the contact is too soft for this speed or load: raise the stiffness, or lower the speed";
   const auto cure = [&](std::int32_t k) {
@@ -111,7 +112,6 @@ void check_pass(const PairPass& pass, std::span<const std::int32_t> which, std::
   for (std::size_t n = 0; n < which.size() && deepest.too_deep; ++n) {
     const PairResult& r = pass.list.stored_results()[static_cast<std::size_t>(which[n])];
     if (r.active && !(r.overlap_ratio < pass.stop_ratio)) {
-      const bool has_margin = pass.scene.source().settings.margin > 0;
       throw RunInvalid("step {}: {} touch to {:.3f} of their {} (limit {}); {}", step, describe(which[n]), r.overlap_ratio,
                        has_margin ? "margin" : "radius, the smaller one", pass.stop_ratio, cure(which[n]));
     }

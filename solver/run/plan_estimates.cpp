@@ -124,11 +124,9 @@ class Estimates {
   }
   /// Processor time of a body and step, the mean over the run [s].
   double time_of_body(const Pace& pace) const {
-    const double of_step = (bed_        ? time_as_bed(pace, bed_->resting)
-                            : is_asked_ ? guess()
-                                        : pace.per_step() * static_cast<double>(std::max<std::int64_t>(steps_, 1))) /
-                           static_cast<double>(std::max<std::int64_t>(steps_, 1));
-    return of_step / std::max(1.0, bodies_at(0));
+    const double steps = static_cast<double>(std::max<std::int64_t>(steps_, 1));
+    const double all = bed_ ? time_as_bed(pace, bed_->resting) : is_asked_ ? guess() : pace.per_step() * steps;
+    return all / steps / std::max(1.0, bodies_at(0));
   }
   /// Processor time that a sample may take [s]: a tenth of what the run may take, and no more than a user waits for.
   double sample_budget() const { return std::clamp(0.1 * guess(), 5.0, 20.0); }

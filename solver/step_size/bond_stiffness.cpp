@@ -9,8 +9,6 @@
 
 namespace scree {
 
-namespace {}  // namespace
-
 PairStiffness linearise(const BondList& bonds, const ListedBond& bond, const ParticleSet& p) {
   PairStiffness result;
   const Bond& of = bonds.table()[at(bond.bond)];

@@ -461,9 +461,21 @@ def lacey(positions, kind):
     return (apart - variance) / (apart - random) if apart > random else math.nan
 
 
+def lacey_apart(positions, kind):
+    """mixing_index_apart: the least over two layers along each axis, either kind below."""
+    found, ones = [math.nan], int(kind.sum()) if len(kind) else 0
+    for axis in range(3):
+        order = numpy.argsort(positions[:, axis], kind="stable")
+        for chosen in (order[:ones], order[len(order) - ones:]):
+            layers = numpy.zeros(len(kind))
+            layers[chosen] = 1
+            found.append(lacey(positions, layers))
+    return float(numpy.nanmin(found)) if not numpy.isnan(found).all() else math.nan
+
+
 def mixed_more(rows):
     for row in rows:
-        for name in ("mixing_index", "segregation_fine", "segregation_coarse"):
+        for name in ("mixing_index", "mixing_index_apart", "segregation_fine", "segregation_coarse"):
             row[name] = repr(number(row[name]) + 0.01) if row[name] else "0.5"
 
 
@@ -499,7 +511,8 @@ def post_mixing(trial):
         where = f"frame {frame.number}, kinds by {by}"
         mine = numpy.array([int(i) in kinds for i in frame.ids], bool)
         kind = numpy.array([kinds[int(i)] for i in frame.ids[mine]], float)
-        compare(row, {"mixing_index": lacey(frame.position[mine], kind)}, {"mixing_index": 1.0}, where)
+        compare(row, {"mixing_index": lacey(frame.position[mine], kind), "mixing_index_apart": lacey_apart(frame.position[mine], kind)},
+                {"mixing_index": 1.0, "mixing_index_apart": 1.0}, where)
         diameters = counted.diameter[frame.bodies["shape"]] * frame.bodies["scale"]
         if not len(diameters):
             continue

@@ -653,6 +653,14 @@ scree::Run written(const std::filesystem::path& folder, const Packing& p, std::v
   return open_run(folder.string());
 }
 
+/// Of the first frame, without the bodies of these names.
+double mean_without(const scree::Run& run, const std::vector<std::string>& names, const char* quantity) {
+  StatisticsOptions options;
+  options.frames = {0};
+  options.without = ids_left_out(run, names);
+  return run_statistics(run, options, "").of(quantity).mean;
+}
+
 TEST_F(StatisticsOfARun, kinds_of_the_mixing_index_are_sizes_or_populations) {
   // 512 balls in a cube; the left half is a population, and every other one is smaller
   Packing p(0.05, {0, 0, 0}, {1, 1, 1}, {0, 0, -9.81});
@@ -762,12 +770,7 @@ TEST_F(StatisticsOfARun, energies_are_those_of_the_bodies_that_are_counted) {
   p.frame.kinetic = 0.5 * ball * 4 + of_box;
   p.frame.potential = ball * 10 * 1 + box * 10 * 2;
   const scree::Run run = written(folder / "two.run", p, {p.frame});
-  const auto of = [&](const std::vector<std::string>& without, const char* quantity) {
-    StatisticsOptions options;
-    options.frames = {0};
-    options.without = ids_left_out(run, without);
-    return run_statistics(run, options, "").of(quantity).mean;
-  };
+  const auto of = [&](const std::vector<std::string>& left_out, const char* quantity) { return mean_without(run, left_out, quantity); };
   EXPECT_DOUBLE_EQ(of({}, "kinetic_energy"), p.frame.kinetic);
   EXPECT_DOUBLE_EQ(of({}, "potential_energy"), p.frame.potential);
   EXPECT_NEAR(of({"1"}, "kinetic_energy"), 0.5 * ball * 4, 1e-9 * ball);
@@ -782,12 +785,7 @@ TEST_F(StatisticsOfARun, what_is_left_out_counts_in_no_contact) {
   p.fill_lattice(n, 1, {0, 0, 3});
   p.run.scene.walls[0].name = "crate";
   const scree::Run run = written(folder / "lattice.run", p, {p.frame});
-  const auto of = [&](const std::vector<std::string>& names, const char* quantity) {
-    StatisticsOptions options;
-    options.frames = {0};
-    options.without = ids_left_out(run, names);
-    return run_statistics(run, options, "").of(quantity).mean;
-  };
+  const auto of = [&](const std::vector<std::string>& left_out, const char* quantity) { return mean_without(run, left_out, quantity); };
   EXPECT_DOUBLE_EQ(of({}, "coordination_number"), 2);  // above and below
   EXPECT_DOUBLE_EQ(of({"crate"}, "coordination_number"), 2 - 2.0 / n);
   EXPECT_DOUBLE_EQ(of({"1000000"}, "coordination_number"), 2 - 2.0 / n);
