@@ -52,6 +52,43 @@ MassProperties sphere_mass_properties(double radius) {
   return result;
 }
 
+namespace {
+
+void make_largest_positive(Eigen::Matrix3d& axes, int column) {
+  Eigen::Index row = 0;
+  axes.col(column).cwiseAbs().maxCoeff(&row);
+  if (axes(row, column) < 0) axes.col(column) = -axes.col(column);
+}
+
+/// Of two equal moments any axes in their plane are principal, and rounding would choose: another triangulation of one solid would get
+/// other axes, and integrators that turn about one axis after another would move it otherwise. So one axis is the projection of a
+/// coordinate axis: of the one that lies closest to the plane, and of several the first. Three equal moments keep the coordinate axes.
+void fix_axes_of_equal_moments(Eigen::Vector3d& moments, Eigen::Matrix3d& axes) {
+  // Of the largest moment. Rounding of the mass integrals is below; dropping what couples the two changes the tensor by less than this.
+  constexpr double kEqualMoments = 1e-12;
+  constexpr double kAsClose = 1e-6;  // components that differ by less count as equal, so that rounding does not choose between them
+  const double limit = kEqualMoments * moments(2);
+  const bool lower = moments(1) - moments(0) <= limit, upper = moments(2) - moments(1) <= limit;
+  if (lower && upper) {
+    moments.setConstant(moments.mean());
+    axes.setIdentity();
+  } else if (lower || upper) {
+    const int single = lower ? 2 : 0, first = lower ? 0 : 1;
+    make_largest_positive(axes, single);
+    const Eigen::Vector3d u = axes.col(single);
+    int closest = 0;
+    for (int i = 1; i < 3; ++i) {
+      if (std::abs(u(i)) < std::abs(u(closest)) - kAsClose) closest = i;
+    }
+    const Eigen::Vector3d across = (Eigen::Vector3d::Unit(closest) - u(closest) * u).normalized();
+    axes.col(first) = across;
+    axes.col(first + 1) = u.cross(across);
+    moments.segment(first, 2).setConstant(moments.segment(first, 2).mean());
+  }
+}
+
+}  // namespace
+
 void find_principal_frame(MassProperties& mass) {
   Eigen::Matrix3d inertia;
   for (int i = 0; i < 3; ++i) {
@@ -72,18 +109,16 @@ void find_principal_frame(MassProperties& mass) {
     return;
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia);
+  Eigen::Vector3d moments = solver.eigenvalues();
   Eigen::Matrix3d axes = solver.eigenvectors();
   // Fix the signs, which the solver leaves open: the largest component of the first two axes is positive.
-  for (int c = 0; c < 2; ++c) {
-    Eigen::Index row = 0;
-    axes.col(c).cwiseAbs().maxCoeff(&row);
-    if (axes(row, c) < 0) axes.col(c) = -axes.col(c);
-  }
+  for (int c = 0; c < 2; ++c) make_largest_positive(axes, c);
   axes.col(2) = axes.col(0).cross(axes.col(1));
+  fix_axes_of_equal_moments(moments, axes);
   Mat3 rotation;
   for (int i = 0; i < 3; ++i) rotation[i] = {axes(i, 0), axes(i, 1), axes(i, 2)};
   mass.body_from_principal = quaternion_of(rotation);
-  mass.principal_moments = {solver.eigenvalues()(0), solver.eigenvalues()(1), solver.eigenvalues()(2)};
+  mass.principal_moments = {moments(0), moments(1), moments(2)};
 }
 
 }  // namespace scree

@@ -143,6 +143,30 @@ TEST(MassProperties, a_box_with_sorted_sides_keeps_its_axes_and_an_unsorted_one_
   EXPECT_LE(relative_error(turned(diagonal(mass.principal_moments), mass.body_from_principal), mass.inertia), 1e-12);
 }
 
+TEST(MassProperties, rounding_does_not_choose_the_axes_of_equal_moments) {
+  // A box with a square cross-section, along each axis and askew: what another triangulation's rounding adds to its tensor.
+  for (const Vec3 sides :
+       {Vec3{0.4, 0.1, 0.1}, Vec3{0.1, 0.4, 0.1}, Vec3{0.1, 0.1, 0.4}, Vec3{0.1, 0.4, 0.4}, Vec3{0.4, 0.1, 0.4}, Vec3{0.2, 0.2, 0.2}}) {
+    for (const Quat& turn : {Quat{}, kTurn}) {
+      const MassProperties drawn = mass_properties(moved(box_mesh(sides), turn, {}));
+      const double noise = 1e-15 * drawn.principal_moments.z;
+      for (int i = 0; i < 27; ++i) {
+        MassProperties other = drawn;
+        const Vec3 by = noise * Vec3{i % 3 - 1.0, i / 3 % 3 - 1.0, i / 9 - 1.0};
+        other.inertia[0][1] = other.inertia[1][0] += by.x;
+        other.inertia[0][2] = other.inertia[2][0] += by.y;
+        other.inertia[1][2] = other.inertia[2][1] += by.z;
+        other.inertia[0][0] += by.y;
+        other.inertia[1][1] += by.z;
+        find_principal_frame(other);
+        const Quat difference = conjugate(drawn.body_from_principal) * other.body_from_principal;
+        EXPECT_LE(std::hypot(difference.x, difference.y, difference.z), 1e-13) << i;
+        EXPECT_LE(relative_error(turned(diagonal(other.principal_moments), other.body_from_principal), drawn.inertia), 1e-14);
+      }
+    }
+  }
+}
+
 TEST(MassProperties, an_analytic_ball_has_two_fifths_m_r_squared) {
   const MassProperties mass = sphere_mass_properties(0.5);
   EXPECT_NEAR(mass.volume, kPi / 6, 1e-15);

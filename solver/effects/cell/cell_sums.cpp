@@ -13,7 +13,7 @@ namespace scree {
 namespace {
 
 /// Contact and kinetic part by rows, then what is lost.
-constexpr std::size_t kContact = 0, kKinetic = 9, kLost = 18, kSums = 24;
+constexpr std::size_t kFromContacts = 0, kKinetic = 9, kLost = 18, kSums = 24;
 using Sums = std::vector<ShortSum>;
 
 template <bool kAll>
@@ -35,11 +35,11 @@ void add_contacts(const RunState& s, std::span<const std::int32_t> pairs, Sums& 
     const BodyPair& pair = s.pairs.stored_pairs()[static_cast<std::size_t>(k)];
     if (pair.b < 0) {  // a plane across z, without friction: how far from it the centre of the body is
       const Wall& plane = s.scene.source().walls[static_cast<std::size_t>(s.scene.zones()[static_cast<std::size_t>(pair.key.zone)].wall)];
-      sums[kContact + 8].add(result.force_a.z * (p.x[static_cast<std::size_t>(pair.a)].z - plane.point.z));
+      sums[kFromContacts + 8].add(result.force_a.z * (p.x[static_cast<std::size_t>(pair.a)].z - plane.point.z));
       continue;
     }
     const Vec3 r = p.cell.periodicity().nearest(p.x[static_cast<std::size_t>(pair.a)] - p.x[static_cast<std::size_t>(pair.b)]);
-    add_dyad<kAll>(result.force_a, r, kContact, sums);
+    add_dyad<kAll>(result.force_a, r, kFromContacts, sums);
     const Vec3& lost = result.dissipative_force_a;
     for (int i = 0; i < 3; ++i) sums[kLost + static_cast<std::size_t>(i)].add(lost[i] * r[i]);
     if (!kAll) continue;
@@ -77,7 +77,7 @@ CellSums sums_of(const RunState& s) {
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       const auto at = static_cast<std::size_t>(3 * i + j);
-      found.contact[static_cast<std::size_t>(i)][j] = all[kContact + at].value();
+      found.contact[static_cast<std::size_t>(i)][j] = all[kFromContacts + at].value();
       found.kinetic[static_cast<std::size_t>(i)][j] = all[kKinetic + at].value();
     }
   }

@@ -20,7 +20,7 @@ namespace {
 /// Beside the number of looks during a review: the body is ready.
 constexpr std::int32_t kReady = 1 << 30;
 constexpr std::int32_t kOctave = 20;  ///< first bit of the power of 2 of the torque
-constexpr std::int32_t kMaxLooks = (1 << kOctave) - 1;
+constexpr std::int32_t kMostLooks = (1 << kOctave) - 1;
 /// Torques below this power of 1/2 of the tolerance may grow: far above rounding, and far below what a body falls by.
 constexpr std::int32_t kLowestOctave = 10;
 
@@ -57,8 +57,8 @@ bool Sleep::count_quiet(RunState& s) const {
       continue;
     }
     // the first look of a row of them begins the time
-    const std::int32_t before = p.rest[i] & kMaxLooks, begins = 1 | (octave_of(torque) << kOctave);
-    p.rest[i] = before == 0 ? begins : before < kMaxLooks ? p.rest[i] + 1 : p.rest[i];
+    const std::int32_t before = p.rest[i] & kMostLooks, begins = 1 | (octave_of(torque) << kOctave);
+    p.rest[i] = before == 0 ? begins : before < kMostLooks ? p.rest[i] + 1 : p.rest[i];
     const double time = std::sqrt(2 * diameter * p.mass[i] / weight);
     if (!(before * between >= time)) continue;
     if (!((before - 1) * between >= time) && octave_of(torque) < p.rest[i] >> kOctave) {  // as the time is over
