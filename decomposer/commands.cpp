@@ -4,8 +4,10 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <set>
 
 #include "core/base/command_line.hpp"
+#include "core/base/counted.hpp"
 #include "core/base/error.hpp"
 #include "core/base/expect_ending.hpp"
 #include "core/base/long_work.hpp"
@@ -137,6 +139,19 @@ std::string write_preview(const std::string& name, const Scene& scene, const std
   return text;
 }
 
+/// The margin, and what the fastest impact does to it, or to balls, which have none.
+std::string margin_line(const Settings& settings, const PackingReport& report) {
+  const std::string speed = format_quantity(report.fastest_impact, Dimension::velocity);
+  if (!(settings.margin > 0) && !(settings.margin_ratio > 0)) {
+    const std::string overlap =
+        report.impact_overlap > 0 ? fmt::format(", an overlap of about {}", format_quantity(report.impact_overlap, Dimension::length)) : "";
+    return fmt::format("margin             none: these bodies touch as drawn; fastest impact expected {}{}\n", speed, overlap);
+  }
+  const std::string ratio = settings.margin_ratio > 0 ? fmt::format(", {:.3g} % of a body's radius", 100 * settings.margin_ratio) : "";
+  return fmt::format("margin             {}{} ({}); fastest impact expected {}, which would use up {:.2f} of the margins\n",
+                     format_quantity(settings.margin, Dimension::length), ratio, report.margin_from, speed, report.overlap_share);
+}
+
 }  // namespace
 
 CommandResult check_command(const std::string& case_path, const std::vector<std::string>& changes) {
@@ -171,8 +186,10 @@ CommandResult pack_command(const PackOptions& options, const std::vector<std::st
   CommandResult result;
   result.notices = report.notices;
   result.warnings = report.case_warnings;
-  result.output = fmt::format("{}: {} bodies of {} shapes, {} walls, {} draws\n", options.output, scene.bodies.size(), scene.shapes.size(),
-                              scene.walls.size(), report.attempts);
+  const std::set<std::int32_t> shapes(scene.bodies.shape.begin(), scene.bodies.shape.end());  // walls have shapes as well
+  const auto number = [](std::size_t n, const char* one, const char* many) { return counted(static_cast<std::int64_t>(n), one, many); };
+  result.output = fmt::format("{}: {} of {}, {}, {} draws\n", options.output, number(scene.bodies.size(), "body", "bodies"),
+                              number(shapes.size(), "shape", "shapes"), number(scene.walls.size(), "wall", "walls"), report.attempts);
   for (std::size_t k = 0; k < report.solid_fraction.size(); ++k) {
     std::size_t count = 0;
     for (std::int32_t p : scene.bodies.population) count += p == static_cast<std::int32_t>(k) ? 1 : 0;
@@ -180,11 +197,7 @@ CommandResult pack_command(const PackOptions& options, const std::vector<std::st
   }
   if (packed.start) result.output += start_line(scene, *packed.start);
   result.output += solid_fraction_line(report.particle_volume, report.container_volume);
-  const std::string ratio =
-      scene.settings.margin_ratio > 0 ? fmt::format(", {:.3g} % of a body's radius", 100 * scene.settings.margin_ratio) : "";
-  result.output += fmt::format("margin             {}{} ({}); fastest impact expected {}, which would use up {:.2f} of the margins\n",
-                               format_quantity(scene.settings.margin, Dimension::length), ratio, report.margin_from,
-                               format_quantity(report.fastest_impact, Dimension::velocity), report.overlap_share);
+  result.output += margin_line(scene.settings, report);
   result.output += roundings_text(report);
   result.output += facets_text(report);
   result.output += sizes_text(c, scene);

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
+#include "core/base/counted.hpp"
 #include "core/base/progress.hpp"
 #include "core/base/units.hpp"
 #include "core/storage/contact_limits.hpp"
@@ -56,8 +58,11 @@ class Plan {
         count_(count(scene)) {}
 
   std::string text() {
-    text_ = fmt::format("Plan of \"{}\": {} bodies of {} shapes ({} triangles), {} walls, {} ranks x {} threads\n", settings_.title,
-                        count_.bodies, source_.shapes.size(), count_.triangles, source_.walls.size(), comm_.size(), omp_get_max_threads());
+    const std::set<std::int32_t> shapes(source_.bodies.shape.begin(), source_.bodies.shape.end());  // walls have shapes as well
+    const auto number = [](std::size_t n, const char* one, const char* many) { return counted(static_cast<std::int64_t>(n), one, many); };
+    text_ = fmt::format("Plan of \"{}\": {} bodies of {} ({} triangles), {}, {} ranks x {} threads\n", settings_.title, count_.bodies,
+                        number(shapes.size(), "shape", "shapes"), count_.triangles, number(source_.walls.size(), "wall", "walls"),
+                        comm_.size(), omp_get_max_threads());
     add_start();
     add_contact();
     add_motion();
@@ -101,8 +106,10 @@ void Plan::add_contact() {
     out("triangles", "all bodies are analytic spheres");
   const bool by_size = std::any_of(source_.pairs.begin(), source_.pairs.end(), [](const MaterialPair& p) { return p.modulus > 0; });
   in("normal contact",
-     fmt::format("{} law{}, {} gathering, margin {} per body", word_of(settings_.law), by_size ? ", stiffness by size" : "",
-                 word_of(settings_.gather), format_quantity(settings_.margin, Dimension::length)));
+     fmt::format("{} law{}, {} gathering, {}", word_of(settings_.law), by_size ? ", stiffness by size" : "", word_of(settings_.gather),
+                 settings_.margin > 0 || settings_.margin_ratio > 0
+                     ? fmt::format("margin {} per body", format_quantity(settings_.margin, Dimension::length))
+                     : "no margin: bodies touch as drawn"));
   if (const DensityWeights* weights = scene_.density_weights()) {
     const DensityWeights::Summary s = weights->summary();
     if (s.tables > 0)

@@ -148,16 +148,18 @@ class Estimates {
  private:
   void line(const std::string& what, const std::string& value) { text_ += fmt::format("  {:<13} {}\n", what, value); }
 
-  /// Time of the run as a bed [s], before a sample tells.
-  double guess() const {
+  /// Processor time of a body and step in a bed [s], before a sample tells.
+  double usual_cost() const {
     const auto is_mesh = [&](std::int32_t shape) { return scene_.shapes[static_cast<std::size_t>(shape)].kind != ShapeKind::sphere; };
     const bool meshes =
         std::any_of(scene_.bodies.shape.begin(), scene_.bodies.shape.end(), is_mesh) ||
         std::any_of(scene_.inlets.begin(), scene_.inlets.end(), [&](const Inlet& inlet) {
           return std::any_of(inlet.shares.begin(), inlet.shares.end(), [&](const Inlet::Share& share) { return is_mesh(share.shape); });
         });
-    return (meshes ? kMeshInBed : kBallInBed) * mean_bodies() * static_cast<double>(steps_);
+    return meshes ? kMeshInBed : kBallInBed;
   }
+  /// Time of the run as a bed from that [s].
+  double guess() const { return usual_cost() * mean_bodies() * static_cast<double>(steps_); }
 
   /// Contacts of a heap of all bodies, where gravity may make one.
   double contacts_at_rest() const {
@@ -219,19 +221,25 @@ class Estimates {
 
   void add_time(const Pace& pace) {
     if (bed_) return add_time_of_bed(pace);
-    const double all = pace.per_step() * static_cast<double>(steps_);
-    line("wall time", fmt::format("about {} at the pace of {} steps that were just made ({:.3g} us a step, {} contacts)",
-                                  format_duration(all), pace.steps, 1e6 * pace.per_step(), pace.contacts));
+    const double at_this_pace = pace.per_step() * static_cast<double>(steps_);
     if (is_asked_) {
-      line("", fmt::format("once all lie in a bed, with about {:.0f} contacts, it would be {} ({} to {}), from the usual cost of a body "
-                           "there: {:.3g} us a step",
-                           contacts_at_rest(), format_duration(guess()), format_duration(guess() / kSpread),
-                           format_duration(guess() * kSpread), 1e6 * guess() / std::max(1.0, mean_bodies() * static_cast<double>(steps_))));
-      line("", fmt::format("no sample of the bed was settled: with this step it would take longer than the {:.0f} s that a plan may take",
-                           sample_budget()));
-    } else if (contacts_at_rest() > 2 * static_cast<double>(pace.contacts))
-      line("",
-           fmt::format("a heap of all bodies has about {:.0f} contacts, and steps take several times as long then", contacts_at_rest()));
+      estimate_ = guess();
+      line("wall time",
+           fmt::format("about {} ({} to {}): {:.3g} us a step as now, {:.3g} us once all lie in a bed, with about {:.0f} contacts",
+                       format_duration(estimate_), format_duration(estimate_ / kSpread), format_duration(estimate_ * kSpread),
+                       1e6 * pace.per_step(), 1e6 * usual_cost() * bodies_at(settings_.duration), contacts_at_rest()));
+      line("", fmt::format("from the usual cost of a body in a bed, {:.3g} us a step: no sample of the bed was settled, with this step it "
+                           "would take longer than the {:.0f} s that a plan may take",
+                           1e6 * usual_cost(), sample_budget()));
+    } else {
+      estimate_ = at_this_pace;
+      line("wall time", fmt::format("about {} at the pace of {} steps that were just made ({:.3g} us a step, {} contacts)",
+                                    format_duration(estimate_), pace.steps, 1e6 * pace.per_step(), pace.contacts));
+      if (contacts_at_rest() > 2 * static_cast<double>(pace.contacts))
+        line("", fmt::format("a heap of all bodies has about {:.0f} contacts, and steps take several times as long then: the run about {}, "
+                             "from the usual cost of a body there",
+                             contacts_at_rest(), format_duration(std::max(estimate_, guess()))));
+    }
     add_load(pace);
     add_cores();
   }
@@ -239,9 +247,10 @@ class Estimates {
   /// From a sample of the bed that is still to form.
   void add_time_of_bed(const Pace& pace) {
     const double faster = faster_than_one(pace);
-    const double all = time_as_bed(pace, bed_->resting) / faster, bodies = bodies_at(settings_.duration);
+    const double bodies = bodies_at(settings_.duration);
+    estimate_ = time_as_bed(pace, bed_->resting) / faster;
     line("wall time", fmt::format("about {} ({} to {}): {:.3g} us a step as now, {:.3g} us once {:.0f} bodies lie in a bed",
-                                  format_duration(all), format_duration(all / kSpread), format_duration(all * kSpread),
+                                  format_duration(estimate_), format_duration(estimate_ / kSpread), format_duration(estimate_ * kSpread),
                                   1e6 * pace.per_step(), 1e6 * bed_->resting * bodies / faster, bodies));
     line("", fmt::format("a sample of {} of these bodies was settled in {:.1f} s: {:.3g} us a body and step in a bed, {:.3g} in free fall; "
                          "{:.2f} contacts a body",
@@ -260,10 +269,9 @@ class Estimates {
   /// Times are those of cores that no other program uses.
   void add_load(const Pace& pace) {
     constexpr double kWorthTelling = 1.5;
-    if (pace.slowdown > kSlowedDown)
-      line("", slowdown_text(pace.slowdown));
-    else if (pace.slowdown > kWorthTelling)
-      line("", fmt::format("{:.1f} times as long while other programs use these cores as now", pace.slowdown));
+    if (pace.slowdown > kWorthTelling)
+      line("", fmt::format("about {} while other programs use these cores as now", format_duration(estimate_ * pace.slowdown)));
+    if (pace.slowdown > kSlowedDown) line("", slowdown_text(pace.slowdown));
   }
 
   /// What more or fewer cores would bring, of the bodies that there are; of an inlet more come.
@@ -360,6 +368,7 @@ class Estimates {
   std::vector<double> masses_;       ///< of the bodies that move, ascending [kg]
   std::int64_t steps_ = 0;
   double scene_bytes_ = 0;
+  double estimate_ = 0;  ///< of the time of the run [s]
   std::string text_;
 };
 
