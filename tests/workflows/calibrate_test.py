@@ -244,6 +244,12 @@ for name, words in (("one", {"target": "heap:angle_of_repose=20+-1", "keys": "pa
     for chart in ("surface", "posterior"):
         assert os.path.getsize(f"{chart}.png") > 10_000 and settings.keys[0].name in pathlib.Path(f"{chart}.svg").read_text()
         os.rename(f"{chart}.png", f"{chart}-{name}.png")
+    # an answer that no keys give: the chart says so, and draws no interval
+    assert page.keys_fit(numbers) and page.NO_FIT not in pathlib.Path("surface.svg").read_text()
+    numbers["answers"][0]["off"] = 12.0
+    page.draw_surface(settings, [(20.0, 0.5)], [surrogate], found, ["deg"], numbers)
+    drawn = pathlib.Path("surface.svg").read_text()
+    assert page.NO_FIT in drawn and "interval of the key" not in drawn and "dots: posterior" not in drawn
 
 # --- words
 def refused(words, *parts):

@@ -88,9 +88,14 @@ def verdicts(settings, numbers, units, failed):
     return sorted(found, key=lambda entry: entry[0] != "bad") or [("good", "The answers are met, and they fix the keys.")]
 
 
+def keys_fit(numbers):
+    """Do some keys within the bounds give all answers? Otherwise posterior and intervals mean nothing, and charts leave them out."""
+    return all(abs(answer["off"]) <= OFF for answer in numbers["answers"])
+
+
 def is_open(numbers):
     """Is there a key that the answers do not fix, or a pair that they do not distinguish? Not where no keys give the answers: then intervals mean nothing."""
-    if any(abs(answer["off"]) > OFF for answer in numbers["answers"]):
+    if not keys_fit(numbers):
         return False
     return any(key["share_of_bounds"] > FIXED for key in numbers["keys"]) or any(pair["told_apart"] == "no" for pair in numbers["pairs"])
 
@@ -214,9 +219,12 @@ def save(figure, name):
     plt.close(figure)
 
 
+NO_FIT = "no key within the bounds gives the measured answers"
+
+
 def draw_surface(settings, measured, surrogates, found, units, numbers):
     """The answers over the keys: a curve for one key, maps for each pair of more, through the value of the others."""
-    best = np.array(numbers["best"])
+    best, fit = np.array(numbers["best"]), keys_fit(numbers)
     dimension = len(settings.keys)
     pairs = [(a, b) for a in range(dimension) for b in range(a + 1, dimension)][:6] or [(0, None)]
     figure, plots = plt.subplots(len(surrogates), len(pairs), figsize=(5.2 * len(pairs) + 0.6, 4.1 * len(surrogates)), squeeze=False, layout="constrained")
@@ -232,7 +240,8 @@ def draw_surface(settings, measured, surrogates, found, units, numbers):
                 plot.plot(places, mean, color=BLUE)
                 plot.plot([settings.keys[a].value(v) for v in surrogate.points[:, 0]], surrogate.answers, "o", color=BLACK, markersize=3, label="runs")
                 key = numbers["keys"][0]
-                plot.axvspan(key["low"], key["high"], color=GREEN, alpha=0.15, lw=0, label="95 % interval of the key")
+                if fit:
+                    plot.axvspan(key["low"], key["high"], color=GREEN, alpha=0.15, lw=0, label="95 % interval of the key")
                 plot.set_ylabel(f"{target.name} [{unit}]")
                 plot.legend(fontsize="small")
             else:
@@ -249,7 +258,8 @@ def draw_surface(settings, measured, surrogates, found, units, numbers):
                     plot.contour(x, y, mean, levels=levels, colors="white", linewidths=[2.0 if level == value else 1.0 for level in levels],
                                  linestyles=["-" if level == value else "--" for level in levels])
                 even = found.even(500)
-                plot.plot([settings.keys[a].value(t) for t in even[:, a]], [settings.keys[b].value(t) for t in even[:, b]], ".", color=ORANGE, markersize=2, alpha=0.5)
+                if fit:
+                    plot.plot([settings.keys[a].value(t) for t in even[:, a]], [settings.keys[b].value(t) for t in even[:, b]], ".", color=ORANGE, markersize=2, alpha=0.5)
                 plot.plot([settings.keys[a].value(t) for t in surrogate.points[:, a]], [settings.keys[b].value(t) for t in surrogate.points[:, b]], "o", color=BLACK,
                           markerfacecolor="white", markersize=4)
                 plot.plot(numbers["keys"][a]["value"], numbers["keys"][b]["value"], "*", color=ORANGE, markeredgecolor=BLACK, markersize=13)
@@ -260,8 +270,11 @@ def draw_surface(settings, measured, surrogates, found, units, numbers):
             if settings.keys[a].log:
                 plot.set_xscale("log")
     if dimension > 1:
-        figure.suptitle("white: measured answer and its 95 % interval; rings: runs; dots: posterior; star: value" +
-                        ("; other keys at the value" if dimension > 2 else ""), fontsize="small")
+        star = "dots: posterior; star: value" if fit else "star: nearest"
+        figure.suptitle(f"white: measured answer and its 95 % interval; rings: runs; {star}" + ("; other keys at the value" if dimension > 2 else "") +
+                        ("" if fit else f"\n{NO_FIT}"), fontsize="small")
+    elif not fit:
+        figure.suptitle(NO_FIT, fontsize="small")
     save(figure, "surface")
 
 
