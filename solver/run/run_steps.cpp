@@ -78,6 +78,7 @@ RunSteps::RunSteps(const mpi::Communicator& comm, const RunOptions& options, con
           make_schedule(loaded.scene.settings, simulation.state().clock.size.step, rest_.row_interval(), options.checkpoint_interval)),
       writers_(comm, options, loaded, schedule_, provenance_of_run(comm, options, loaded, checkpoint_path), simulation, is_restart_),
       guard_(comm, *loaded.prepared, before),
+      first_step_(simulation.step()),
       row_step_(simulation.step()) {
   if (is_restart_) {
     mpi::on_root(comm_, [&] { rest_.read_log(writers_.log_path()); });
@@ -276,8 +277,9 @@ void RunSteps::finish() {
   for (const std::string& line : idle_servos(simulation_.state())) warn_once("scree-solver", line);
   if (!reason.empty()) std::fprintf(stderr, "scree-solver: %s\n", reason.c_str());
   const RunRecord& record = guard_.record();
-  progress_->finish(fmt::format("{} steps, {:.0f} particle-steps/s, overlap/{} at most {:.3f}, energy balance to {:.2g}",
-                                simulation_.step(), body_steps_ / std::max(seconds_since(start_), 1e-9),
+  const std::string since = is_restart_ ? fmt::format(" ({} of them since the restart)", simulation_.step() - first_step_) : "";
+  progress_->finish(fmt::format("{} steps{}, {:.0f} particle-steps/s, overlap/{} at most {:.3f}, energy balance to {:.2g}",
+                                simulation_.step(), since, body_steps_ / std::max(seconds_since(start_), 1e-9),
                                 loaded_.scene.settings.margin > 0 ? "margin" : "radius", record.max_overlap_ratio,
                                 relative_energy_error(record.energy_error, record.in_play(), loaded_.scene)));
 }

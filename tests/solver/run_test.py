@@ -186,7 +186,10 @@ def a_killed_run_continues_to_the_same_end():
     for name in os.listdir("killed.run"):  # whole files only: every one opens
         if name.endswith((".hdf", ".h5")) and not name.startswith("."):
             subprocess.run(["h5ls", os.path.join("killed.run", name)], check=True, stdout=subprocess.DEVNULL)
-    run(3, "pile.scene.h5", "-o", "killed.run", "--restart", "latest")
+    last = max(int(n[len("checkpoint_"):-len(".h5")]) for n in os.listdir("killed.run") if n.startswith("checkpoint_") and n.endswith(".h5"))
+    said = run(3, "pile.scene.h5", "-o", "killed.run", "--restart", "latest").stderr
+    steps = outcome("killed.run")["steps"]
+    assert f"{steps} steps ({steps - last} of them since the restart), " in said, (last, said)
     assert outcome("killed.run")["state_hash"] == outcome("whole.run")["state_hash"]
     with open("killed.run/log.csv") as f, open("whole.run/log.csv") as g:
         assert [l.split(",")[0] for l in f] == [l.split(",")[0] for l in g], "log rows differ"
