@@ -36,6 +36,9 @@ struct alignas(128) BallRow {
   PaddedVec3 surface_spin;  ///< radius times w [m/s]
 };
 
+/// Rows of bodies [begin, end) of p, which has at least one, as they are now.
+void collect_ball_rows(const ParticleSet& p, std::size_t begin, std::size_t end, BallRow* rows);
+
 /// What pairs are of: A always a ball, B a ball or a wall.
 struct BallScene {
   const ParticleSet& p;

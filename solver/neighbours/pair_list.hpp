@@ -64,6 +64,8 @@ class PairList {
   /// What a pair does, wherever it lies, but for the energy of springs and the torque on a wall.   in   room   for it, where it lies in a
   /// block
   const PairResult& result_of(std::int32_t k, PairResult& room) const;
+  /// The force of a pair on A, wherever it lies; null: the pair is not active.
+  const Vec3* force_of(std::int32_t k) const;
   /// Ball contacts, in blocks; empty unless they have been moved there.
   BallBlocks& blocks() { return blocks_; }
   const BallBlocks& blocks() const { return blocks_; }

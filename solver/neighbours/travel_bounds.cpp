@@ -1,5 +1,7 @@
 #include "solver/neighbours/travel_bounds.hpp"
 
+#include "solver/bodies/body_passes.hpp"
+
 namespace scree {
 
 namespace {
@@ -28,7 +30,14 @@ void TravelBounds::restart(const ParticleSet& p, double branch) {
 
 void TravelBounds::add_motion_of_owned(const ParticleSet& p) {
   carry_listed_places(p.cell, branch_, 0, p.owned, x_, way_);
-  for_each_awake_row(p, [&](std::size_t i) { add_motion(p, i); });
+#pragma omp parallel
+  for_awake_rows_of_thread(p, [&](std::size_t begin, std::size_t end) {
+    if (p.cell.periodicity().any()) {
+      for (std::size_t i = begin; i < end; ++i) add_motion(p, i);
+    } else {
+      add_way_of_rows(p, kSumRounding, begin, end, x_, q_, way_);
+    }
+  });
 }
 
 void TravelBounds::add_motion_of_ghosts(const ParticleSet& p) {

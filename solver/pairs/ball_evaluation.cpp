@@ -23,14 +23,14 @@ BallWall ball_wall(const WallZone& zone, const WallState& wall) {
   return w;
 }
 
-/// What pairs read of bodies [begin, end).
-void collect_rows(const ParticleSet& p, std::size_t begin, std::size_t end, std::vector<BallRow>& rows) {
+/// What pairs read of the first bodies.
+void collect_rows(const ParticleSet& p, std::size_t count, std::vector<BallRow>& rows) {
   rows.resize(p.size());
-  const auto first = static_cast<std::ptrdiff_t>(begin), last = static_cast<std::ptrdiff_t>(end);
-#pragma omp parallel for schedule(static)
-  for (std::ptrdiff_t n = first; n < last; ++n) {
-    const auto i = static_cast<std::size_t>(n);
-    rows[i] = {{p.x[i]}, {p.v[i]}, {p.w[i]}, {p.ball_radius[i] * p.w[i]}};
+#pragma omp parallel
+  {
+    const auto thread = static_cast<std::size_t>(omp_get_thread_num()), threads = static_cast<std::size_t>(omp_get_num_threads());
+    const std::size_t begin = count * thread / threads, end = count * (thread + 1) / threads;
+    if (begin < end) collect_ball_rows(p, begin, end, rows.data());
   }
 }
 
@@ -41,7 +41,7 @@ bool has_ball_way(const PairPass& pass) { return pass.scene.ball_laws().kind != 
 BallPass::BallPass(PairPass& pass) : pass_(pass), scene_{pass.p, pass.p.cell.periodicity(), pass.scene.ball_laws()} {
   if (pass.blocks) {
     // ghosts are not here yet while the pairs of owned bodies are computed
-    collect_rows(pass.p, 0, *pass.blocks == PairClass::inner ? pass.p.owned : pass.p.size(), pass.scratch.ball_rows);
+    collect_rows(pass.p, *pass.blocks == PairClass::inner ? pass.p.owned : pass.p.size(), pass.scratch.ball_rows);
     scene_.rows = pass.scratch.ball_rows.data();
   }
   scene_.walls.reserve(scene_.laws.zones.size());

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <span>
 
+#include "solver/bodies/body_passes.hpp"
+
 namespace scree {
 
 RunState::RunState(const mpi::Communicator& on, const SolverScene& of)
@@ -94,19 +96,25 @@ namespace {
 
 void add_effects_of(std::span<const std::int32_t> pairs, const RunState& s, double dt, WallTotals& totals) {
   PairResult of_block;
-  for (const std::int32_t k : pairs) {
-    const PairResult& r = s.pairs.result_of(k, of_block);
-    if (!r.active) continue;
-    const BodyPair& pair = s.pairs.stored_pairs()[static_cast<std::size_t>(k)];
-    const auto w = static_cast<std::size_t>(s.scene.zones()[static_cast<std::size_t>(pair.key.zone)].wall);
-    const Vec3 on_wall = -r.force_a;
+  const auto add_impulse = [&](std::size_t w, const Vec3& on_wall) {
     std::array<ExactSum, 3>& impulse = totals.impulse[w];
     impulse[0].add(dt * on_wall.x);
     impulse[1].add(dt * on_wall.y);
     impulse[2].add(dt * on_wall.z);
+  };
+  for (const std::int32_t k : pairs) {
+    const BodyPair& pair = s.pairs.stored_pairs()[static_cast<std::size_t>(k)];
+    const auto w = static_cast<std::size_t>(s.scene.zones()[static_cast<std::size_t>(pair.key.zone)].wall);
     const WallState& state = s.walls[w];
     // one that stands still does no work
-    if (state.velocity == Vec3{} && state.angular_velocity == Vec3{} && !s.scene.has_moving_surfaces()) continue;
+    if (state.velocity == Vec3{} && state.angular_velocity == Vec3{} && !s.scene.has_moving_surfaces()) {
+      if (const Vec3* force = s.pairs.force_of(k)) add_impulse(w, -*force);
+      continue;
+    }
+    const PairResult& r = s.pairs.result_of(k, of_block);
+    if (!r.active) continue;
+    const Vec3 on_wall = -r.force_a;
+    add_impulse(w, on_wall);
     // torque on A about its centre turns into minus torque on the wall about any point, plus the lever
     const Vec3 lever = s.particles.x[static_cast<std::size_t>(pair.a)] - state.position;
     const Vec3 torque_wall = cross(lever, on_wall) - r.torque_a;
@@ -146,10 +154,9 @@ double contact_dissipation(const ParticleSet& p, std::size_t body, double dt) {
 
 void add_dissipation(RunState& s, double dt) {
   ParticleSet& p = s.particles;
-  for_each_awake_row(p, [&](std::size_t i) {
-    // what sleeps has no velocity
-    p.dissipated[i] += contact_dissipation(p, i, dt);
-  });
+  // what sleeps has no velocity
+#pragma omp parallel
+  for_awake_rows_of_thread(p, [&](std::size_t begin, std::size_t end) { add_dissipation_of_rows(p, dt, begin, end); });
 }
 
 }  // namespace scree

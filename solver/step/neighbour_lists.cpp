@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "solver/bodies/body_passes.hpp"
+
 namespace scree {
 
 namespace {
@@ -98,10 +100,9 @@ StepReport NeighbourLists::look(const RunState& s, bool rebuilt) {
     double squared = fastest * fastest;
 #pragma omp parallel reduction(|| : beyond) reduction(max : squared)
     for_awake_rows_of_thread(p, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        if (!rebuilt && !(squared_length(p.x[i] - p.x_listed[i]) <= limit * limit)) beyond = true;
-        squared = std::max(squared, squared_length(p.v[i]));
-      }
+      const RowsMoved found = find_rows_moved(p, limit * limit, begin, end);
+      if (!rebuilt && found.beyond) beyond = true;
+      squared = std::max(squared, found.squared_speed);
     });
     soon = soon || beyond;
     fastest = std::sqrt(squared);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "solver/bodies/body_passes.hpp"
 #include "solver/step_size/stability.hpp"
 #include "solver/step_size/step_size.hpp"
 
@@ -134,17 +135,15 @@ void check_displacement(const RunState& s, const std::function<std::string(std::
   constexpr double kRadiusPerStep = 0.1;
   if (!(s.clock.size.contact_time > 0)) return;  // nothing can meet
   const ParticleSet& p = s.particles;
-  const double dt = s.clock.dt, dt2 = dt * dt;
-  for (std::size_t i = 0; i < p.owned; ++i) {
-    const double limit = kRadiusPerStep * p.radius[i];
-    if (!(squared_length(p.v[i]) * dt2 > limit * limit)) continue;
-    std::string cause = cause_of(i);
-    if (cause.empty()) cause = fmt::format("give a step of at most {:.3g} s", limit / length(p.v[i]));
-    throw RunInvalid(
-        "step {}: body {} moves {:.3g} m in a step of {:.3g} s, more than a tenth of its radius of {:.3g} m; it could pass through "
-        "others unseen: {}",
-        s.clock.step, p.id[i], length(p.v[i]) * dt, dt, p.radius[i], cause);
-  }
+  const double dt = s.clock.dt;
+  const std::size_t i = find_row_that_goes_far(p, dt, kRadiusPerStep, 0, p.owned);
+  if (i == p.owned) return;
+  std::string cause = cause_of(i);
+  if (cause.empty()) cause = fmt::format("give a step of at most {:.3g} s", kRadiusPerStep * p.radius[i] / length(p.v[i]));
+  throw RunInvalid(
+      "step {}: body {} moves {:.3g} m in a step of {:.3g} s, more than a tenth of its radius of {:.3g} m; it could pass through "
+      "others unseen: {}",
+      s.clock.step, p.id[i], length(p.v[i]) * dt, dt, p.radius[i], cause);
 }
 
 }  // namespace scree
