@@ -332,13 +332,6 @@ const PairResult& PairList::result_of(std::int32_t k, PairResult& room) const {
   return room;
 }
 
-const Vec3* PairList::force_of(std::int32_t k) const {
-  const std::int32_t place = blocks_.are_filled() ? blocks_.place_of(k) : BallBlocks::kOther;
-  if (place >= 0) return blocks_.touches(place) ? &blocks_.slots()[static_cast<std::size_t>(place)].force : nullptr;
-  const PairResult& result = results_[static_cast<std::size_t>(k)];
-  return result.active ? &result.force_a : nullptr;
-}
-
 void PairList::list_due(std::size_t row) {
   std::int32_t* const due = &due_[static_cast<std::size_t>(start_[row])];
   std::int32_t count = 0;

@@ -65,7 +65,12 @@ class PairList {
   /// block
   const PairResult& result_of(std::int32_t k, PairResult& room) const;
   /// The force of a pair on A, wherever it lies; null: the pair is not active.
-  const Vec3* force_of(std::int32_t k) const;
+  const Vec3* force_of(std::int32_t k) const {
+    const std::int32_t place = blocks_.are_filled() ? blocks_.place_of(k) : BallBlocks::kOther;
+    if (place >= 0) return blocks_.touches(place) ? &blocks_.slots()[static_cast<std::size_t>(place)].force : nullptr;
+    const PairResult& result = results_[static_cast<std::size_t>(k)];
+    return result.active ? &result.force_a : nullptr;
+  }
   /// Ball contacts, in blocks; empty unless they have been moved there.
   BallBlocks& blocks() { return blocks_; }
   const BallBlocks& blocks() const { return blocks_; }
