@@ -97,15 +97,21 @@ def hidden(text):
     return text
 
 
+def split(text, sign):
+    """The parts of a text between the signs that do not stand in quotes or brackets."""
+    places = [-1, *(place for place, letter in enumerate(hidden(text)) if letter == sign), len(text)]
+    return [text[begin + 1:end] for begin, end in zip(places, places[1:])]
+
+
 def axes_of(sweep):
     """[(key, value), ...] for each key of a sweep such as "pairs.*.friction=0.2|0.4;time.duration=1 s|2 s"."""
     axes = []
-    for part in (part.strip() for part in sweep.split(";")):
+    for part in (part.strip() for part in split(sweep, ";")):
         if not part:
             continue
         key, equals, values = part.partition("=")
         key = key.strip()
-        if not equals or not key or not all(value.strip() for value in values.split("|")):
+        if not equals or not key or not all(value.strip() for value in split(values, "|")):
             raise Wrong(f"sweep: '{part}' found, expected KEY=VALUE|VALUE|..., for instance pairs.*.friction=0.2|0.4")
         if further := FURTHER_KEY.search(hidden(values)):
             corrected, end = "", len(values)
@@ -114,5 +120,7 @@ def axes_of(sweep):
             corrected = f"{key}={values[:end]}{corrected}"
             raise Wrong(f"sweep: '{further[1]}=' stands in a value of {key}; keys are separated by a semicolon: \"sweep={sweep.replace(part, corrected)}\"")
         check(key, "sweep")
-        axes.append([(key, value.strip()) for value in values.split("|")])
+        if any(key == axis[0][0] for axis in axes):
+            raise Wrong(f"sweep: {key} stands there twice; give all its values in one place: {key}=VALUE|VALUE|...")
+        axes.append([(key, value.strip()) for value in split(values, "|")])
     return axes

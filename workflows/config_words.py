@@ -28,6 +28,7 @@ ASKED = re.compile(r"""(["'])([\w-]+)\1\s+(?:not\s+)?in\s+config\b(?!\s*[.\[(])"
 OTHER = re.compile(CONFIG + r"(?!\s*=[^=])|^\s*configfile\s*:", re.M)
 INCLUDE = re.compile(r"""^\s*include\s*:\s*(["'])(.+?)\1""", re.M)
 CHECKED_BY = re.compile(r"""^CHECKED_BY = (["'])(\S+)\1""", re.M)
+WHOLE_NUMBERS = {"ranks": 0, "threads": 1, "replicas": 1, "minutes": 1}   # of pipeline.smk, and the least of each
 SIZE = "small is for a first look, if the case has it; a wrong size is refused with those that there are"
 DESCRIBED = re.compile(r"^#   (\w+)=(\S*) {2,}(\S.*)$", re.M)   # in the comment at the top of a file
 
@@ -140,8 +141,13 @@ def check(snakefile, name, given, is_points=False):
     for key, value in values.items():
         if key not in words.all:
             refuse(key, value, name, words.all)
-    if "sweep" in values:
-        axes_of(values["sweep"])
+        if not value.strip():
+            raise Wrong(f"--config {key}=: a value is missing; leave {key} out for what it is without")
+        if key in WHOLE_NUMBERS and key in words.shared and not (re.fullmatch(r"[0-9]{1,9}", value) and int(value) >= WHOLE_NUMBERS[key]):
+            raise Wrong(f"--config {key}={value}: expected a whole number from {WHOLE_NUMBERS[key]} on")
+    axes = axes_of(values.get("sweep", ""))
+    if int(values.get("replicas", 1)) > 1 and any(axis[0][0] == "seed" for axis in axes):
+        raise Wrong(f"--config replicas={values['replicas']}: the sweep has seeds of its own, and replicas would be the same runs again; leave one of the two out")
 
 
 def sentence(text):

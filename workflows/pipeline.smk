@@ -108,7 +108,8 @@ PLOT = str(config.get("plot", globals().get("PLOT", "coordination_number")))
 if POINTS and "points" not in config:
     import sweep_quantity
     try:
-        sweep_quantity.check(PLOT, sorted({os.path.join(workflow.basedir, case) for case, _ in RUNS.values()}), os.environ.get("PWD", "."))
+        changed = {word.partition("=")[0] for _, words in RUNS.values() for word in shlex.split(words) if "=" in word}
+        sweep_quantity.check(PLOT, sorted({os.path.join(workflow.basedir, case) for case, _ in RUNS.values()}), os.environ.get("PWD", "."), changed)
     except sweep_quantity.Wrong as reason:
         raise WorkflowError(str(reason))
     if ".py:" in PLOT:   # of where workflows/run was called; the steps run in the folder of the results

@@ -56,6 +56,45 @@ def function_of(word, folder="."):
     return function
 
 
+def table_of(case):
+    """What stands in a case file; None where it cannot be read: the decomposer says why."""
+    try:
+        with open(case, "rb") as file:
+            return tomllib.load(file)
+    except (OSError, ValueError):
+        return None
+
+
+def has_wall(table, kinds):
+    """Whether a wall of a case has one of these keys, by itself or in its motion."""
+    for wall in table.get("walls", []):
+        motions = wall.get("motion", []) if isinstance(wall, dict) else []
+        parts = [wall, *(motions if isinstance(motions, list) else [motions])]
+        if any(isinstance(part, dict) and kind in part for part in parts for kind in kinds):
+            return True
+    return False
+
+
+# quantities that only some cases have: the part of a case that makes them, keys of it, and what is missing without them
+NEEDS = {
+    **dict.fromkeys(("temperature", "temperature_spread"), ("heat", (), "it has no [heat]")),
+    **dict.fromkeys(("way", "rate"), ("walls", ("servo", "free", "motor", "outer"), "no wall of it answers to force (servo, free, motor, outer)")),
+    **dict.fromkeys(("sliding_power", "damping_power", "contact_rate", "impact_power"), ("walls", ("load_map", "wear"), "no wall of it has a load_map")),
+    "volume_worn": ("walls", ("wear",), "no wall of it wears"),
+}
+
+
+def misses(name, case, changed):
+    """What a case has to have for a quantity, and has not; empty where it may have it. changed: keys that a sweep or --set gives it."""
+    if name not in NEEDS:
+        return ""
+    part, kinds, missing = NEEDS[name]
+    table = table_of(case)
+    if table is None or any(key.partition(".")[0] == part for key in changed):
+        return ""
+    return "" if (has_wall(table, kinds) if kinds else part in table) else missing
+
+
 def walls_of(case):
     """Names of the walls of a case file; None where it cannot be read: the decomposer says why."""
     try:
@@ -66,8 +105,8 @@ def walls_of(case):
         return None
 
 
-def check(word, cases, folder="."):
-    """Refuses a quantity that no run of these case files can have, before anything runs."""
+def check(word, cases, folder=".", changed=()):
+    """Refuses a quantity that no run of these case files can have, before anything runs. changed: keys that a sweep or --set gives them."""
     if function_of(word, folder) is not None:
         return
     name, at, wall = word.partition("@")
@@ -75,6 +114,9 @@ def check(word, cases, folder="."):
     if name not in names:
         near = difflib.get_close_matches(name, names, 1, 0.7)
         raise Wrong(f"plot={word}: there is no quantity '{name}'" + (f", did you mean '{near[0]}'?" if near else f"; there are: {', '.join(names)}"))
+    for case in cases:
+        if missing := misses(name, case, changed):
+            raise Wrong(f"plot={word}: the runs of {case} have no {name}: {missing}")
     for case in cases if at else []:
         walls = walls_of(case)
         if walls is None or wall in walls or wall.isdigit():

@@ -323,6 +323,7 @@ NewFile::NewFile(const std::string& path) : temporary_(path) {
   silence_library();
   // made now, so that a folder that is missing or not writable is told before the work
   const int probe = open(temporary_.name().c_str(), O_CREAT | O_WRONLY | O_TRUNC | O_CLOEXEC, 0666);
+  set_opened("");  // no file that was read is to blame for a crash as this one is written
   if (probe < 0) throw SystemError("cannot create {}: {}; choose a folder that exists and is writable", path, std::strerror(errno));
   close(probe);
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, path);

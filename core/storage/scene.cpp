@@ -58,6 +58,15 @@ const MaterialPair& Scene::pair(std::int32_t a, std::int32_t b) const {
                    name(b), name(a), name(b));
 }
 
+bool Scene::balls_touch_beside_meshes() const {
+  if (settings.surface != TouchAt::drawn || !(settings.margin_ratio > 0)) return false;
+  const auto is_ball = [this](std::int32_t shape) { return shapes[static_cast<std::size_t>(shape)].kind == ShapeKind::sphere; };
+  return std::any_of(bodies.shape.begin(), bodies.shape.end(), is_ball) ||
+         std::any_of(inlets.begin(), inlets.end(), [&](const Inlet& inlet) {
+           return std::any_of(inlet.shares.begin(), inlet.shares.end(), [&](const Inlet::Share& share) { return is_ball(share.shape); });
+         });
+}
+
 double Scene::mass(std::size_t body) const { return mass(bodies.shape[body], bodies.material[body], bodies.scale[body]); }
 
 double Scene::mass(std::int32_t shape, std::int32_t material, double scale) const {

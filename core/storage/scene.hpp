@@ -358,6 +358,9 @@ struct Scene {
 
   /// Properties of a material pair in either order; throws InputError when it is missing.
   const MaterialPair& pair(std::int32_t a, std::int32_t b) const;
+  /// Whether balls, whose contacts with each other and with analytic walls have the radius for a maximum overlap, are in a scene with
+  /// meshes, whose contacts have their margins.
+  bool balls_touch_beside_meshes() const;
   /// Mass of a body [kg]: density times scaled volume.
   double mass(std::size_t body) const;
   /// The same of a body of one of the scene's shapes and materials, before it is one of the scene's bodies.

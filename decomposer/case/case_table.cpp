@@ -164,7 +164,9 @@ double CaseTable::number_of(const toml::node& value, const std::string& key, Dim
       if (fault == std::errc{} && end != last) {
         const std::string kind = dimension_of(*text);
         if (!kind.empty() && key.find("friction") != std::string::npos && text->find("deg") != std::string::npos)
-          throw error(key, fmt::format("{}, but {} is the tangent of the angle; write {:.6g}", kind, key, std::tan(bare * kPi / 180)));
+          throw error(key, bare >= 0 && bare < 90
+                               ? fmt::format("{}, but {} is the tangent of the angle; write {:.6g}", kind, key, std::tan(bare * kPi / 180))
+                               : fmt::format("{}, but {} is the tangent of an angle from 0 to below 90 degrees", kind, key));
         if (!kind.empty()) throw error(key, fmt::format("{}, but {} has no unit; write {:g}", kind, key, bare));
       }
     }

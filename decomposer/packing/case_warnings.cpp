@@ -540,10 +540,9 @@ void warn_of_closed_walls(const Case& c, const SceneParts& parts, const Scene& s
       (is_inside(mesh, at) ? inside : outside) += 1;
     }
     if (inside == 0 || outside == 0) continue;
-    warnings.push_back(fmt::format(
-        "{}: of the bodies {} start inside of the closed wall '{}' and {} outside; a region that reaches through it places bodies on "
-        "both sides",
-        c.walls[w].where, inside, wall.name, outside));
+    warnings.push_back(fmt::format("{}: {} of {} bodies start inside of the closed wall '{}', the others outside{}", c.walls[w].where,
+                                   inside, inside + outside, wall.name,
+                                   c.populations.empty() ? "" : "; a region that reaches through it places bodies on both sides"));
   }
 }
 

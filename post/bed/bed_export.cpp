@@ -246,6 +246,10 @@ class BedExport {
     if (std::abs(in_grid - volume_) > kNoted * volume_)
       result_.notes.push_back(
           fmt::format("{:.3g} % of the solid is not in the grid: bodies reach out of it", 100 * (1 - in_grid / volume_)));
+    if (is_turned_box(view_.facts, frame_))
+      result_.notes.push_back(
+          "the box around the bed is turned in this frame, and the void fractions take its room without the turn: they mean nothing; give "
+          "the room of the bed with --container");
     if (!std::isfinite(bed.fraction) || !(bed.of_container > 0))
       result_.notes.push_back(
           "the container holds none of the bodies: its void fractions mean nothing; give the right one with --container");

@@ -252,14 +252,15 @@ std::string contact_section(const Run& run) {
           (LineChart{"Contact points", "time", "s", "contact points", "", false, true, {{"contacts", t, run.log.column("contacts")}}, {}}));
     }
     if (run.scene.settings.margin > 0) {
-      html += figure((LineChart{"Largest overlap over margin",
+      const std::string room = run.scene.balls_touch_beside_meshes() ? "maximum" : "margin";
+      html += figure((LineChart{"Largest overlap over the " + room,
                                 "time",
                                 "s",
-                                "overlap / margin",
+                                "overlap / " + room,
                                 "",
                                 false,
                                 true,
-                                {{"overlap / margin", t, run.log.column("max_depth_ratio")}},
+                                {{"overlap / " + room, t, run.log.column("max_depth_ratio")}},
                                 {{1.0, "1: the surfaces would touch"}}}));
     }
   }

@@ -116,6 +116,18 @@ Verdict judge_depth(const Run& run) {
         kBallsDoubtful, kBallsBad);
     return v;
   }
+  if (run.scene.balls_touch_beside_meshes()) {
+    v.answer = fmt::format("at most {:.3f} of its maximum", ratio);
+    v.judgement = ratio < kBallsDoubtful ? Judgement::good : (ratio < 1 ? Judgement::doubtful : Judgement::bad);
+    v.evidence = fmt::format(
+        "Overlap over its maximum, the largest of all contacts and steps. The maximum is the sum of both margins where there are meshes, "
+        "of "
+        "which {:g} are usual, and the radius of the smaller ball of two balls, or of a ball on a wall, of which {:g} are much. The "
+        "columns "
+        "depth and margin of the contacts in the frames say which contacts are deep.",
+        kOverlapDoubtful, kBallsDoubtful);
+    return v;
+  }
   v.answer = fmt::format("at most {:.3f} of the margin", ratio);
   v.judgement = ratio < kOverlapDoubtful ? Judgement::good : (ratio < 1 ? Judgement::doubtful : Judgement::bad);
   v.evidence =

@@ -84,10 +84,8 @@ BedSolid bed_solid(const FrameView& view) {
   for (const Column& c : columns) all += c.solid;
   Box3 whole = view.facts.container.room.bounds();
   const int up = view.facts.container.vertical;
-  const bool is_endless =
-      view.facts.period.is_periodic(up);  // then the cell is full of the bed, not the way from its lowest to its highest body
-  whole.lower[up] = is_endless ? view.facts.cell_lower[up] : view.lowest;
-  whole.upper[up] = is_endless ? view.facts.cell_lower[up] + view.facts.period.period()[up] : view.highest;
+  whole.lower[up] = view.lowest;
+  whole.upper[up] = view.highest;
   if (const double room = view.facts.container.volume_in(whole); room > 0) bed.of_container = all / room;
   if (columns.empty()) return bed;
 

@@ -9,8 +9,9 @@ namespace scree {
 
 /// How much of a bed is solid, and of what.
 struct BedSolid {
-  double fraction = 0;      ///< of the inner part of the bed; NaN without particles
-  double of_container = 0;  ///< of the container from the lowest to the highest point of the particles; NaN without
+  double fraction = 0;  ///< of the inner part of the bed; NaN without particles
+  double of_container =
+      0;  ///< of the container from the lowest to the highest point of the particles; of a cell periodic there, of it all; NaN without
 };
 
 /// Solid fraction of the inner part of the bed by its own surface: column by column over the plan, 80 % of a column's solid over the

@@ -55,7 +55,9 @@ std::vector<Quantity> group_quantities(bool has_heat) {
                      {"cohesive_pressure", "Pa", "tension that contacts which pull carry, in the pressure with the opposite sign"},
                      {"kinetic_pressure", "Pa", "of the velocity fluctuations: density times granular temperature"},
                      {"solid_fraction", "-", "of the inner 80 % of the bed, under its own surface; of a region: of its volume"},
-                     {"solid_fraction_of_container", "-", "of the container from the lowest to the highest point of the particles"},
+                     {"solid_fraction_of_container", "-",
+                      "of the container from the lowest to the highest point of the particles; of a cell that is periodic along this way, "
+                      "of the whole cell"},
                      {"velocity_x", "m/s", "mean by mass"},
                      {"velocity_y", "m/s", "mean by mass"},
                      {"velocity_z", "m/s", "mean by mass"},
@@ -70,7 +72,7 @@ std::vector<Quantity> group_quantities(bool has_heat) {
   q.insert(q.end(), {{"force_chain_share", "-", "particles in force chains over all"},
                      {"force_chain_count", "-", "chains of three or more"},
                      {"force_chain_length", "-", "mean number of particles in a chain"},
-                     {"mixing_index", "-", "Lacey: mixing_index_apart segregated, 1 mixed at random"},
+                     {"mixing_index", "-", "Lacey: 1 mixed at random, the value of mixing_index_apart where the kinds are in two layers"},
                      {"mixing_index_apart", "-", "the same if the kinds were apart in two layers: what the cells resolve"},
                      {"segregation_fine", "-", "of the finest third of the particles: 1 apart from all others, 0 among them at random"},
                      {"segregation_middle", "-", "of those between the finest and the coarsest third"},
@@ -140,6 +142,26 @@ ProfileBins bins_of(const std::string& text, const Container& container, double 
   return bins;
 }
 
+/// Layers of a profile go with the container, or with the cell: the part of it that they have at the start they have in each frame.
+ProfileBins bins_in_frame(const ProfileBins& bins, const SceneFacts& start, const SceneFacts& now) {
+  if (bins.axis == 'r') return bins;
+  const int k = bins.axis - 'x';
+  if (k == start.container.vertical && !start.is_endless()) return bins;  // heights are those of the bed
+  const auto ends = [k](const SceneFacts& facts) {
+    if (k == facts.container.vertical) return std::pair{facts.cell_lower[k], facts.cell_lower[k] + facts.period.period()[k]};
+    const Box3 box = facts.container.room.bounds();
+    return std::pair{box.lower[k], box.upper[k]};
+  };
+  const auto [low, high] = ends(start);
+  const auto [low_now, high_now] = ends(now);
+  if (!(high > low) || (low == low_now && high == high_now)) return bins;
+  const double stretch = (high_now - low_now) / (high - low);
+  ProfileBins moved = bins;
+  moved.low = low_now + (bins.low - low) * stretch;
+  moved.high = low_now + (bins.high - low) * stretch;
+  return moved;
+}
+
 /// 1 for the bodies that are larger than the median one, 0 for the others; where none is larger, 0 for those that are smaller and 1 for the
 /// others. By row.
 std::vector<std::int32_t> sorts_by_size(const std::vector<double>& volumes) {
@@ -166,8 +188,13 @@ StatisticsPlan::StatisticsPlan(const Run& the_run, const StatisticsOptions& the_
   quantities = group_quantities(run.scene.settings.heat.has_value());
   add_groups();
   const int up = facts->container.vertical;
-  const bool is_empty = extent.box.is_empty();
-  add_profiles(is_empty ? 0 : extent.box.lower[up], is_empty ? 0 : extent.box.upper[up]);
+  if (facts->is_endless()) {
+    add_profiles(facts->cell_lower[up], facts->cell_lower[up] + facts->period.period()[up]);
+  } else {
+    const bool is_empty = extent.box.is_empty();
+    add_profiles(is_empty ? 0 : extent.box.lower[up], is_empty ? 0 : extent.box.upper[up]);
+  }
+  note_potential_energy();
   add_distributions(extent.diameter);
   choose_kinds(bodies);
   if (!options.discharge.empty()) read_discharge(options.discharge);
@@ -175,7 +202,7 @@ StatisticsPlan::StatisticsPlan(const Run& the_run, const StatisticsOptions& the_
   for (const char* component : {"x", "y", "z"}) wall_quantities.push_back({fmt::format("force_{}", component), "N", "on the wall"});
   for (const char* component : {"x", "y", "z"})
     wall_quantities.push_back({fmt::format("torque_{}", component), "N m", "on the wall, about the world's origin"});
-  wall_quantities.push_back({"power", "W", "of the wall on the bodies, from log.csv"});
+  wall_quantities.push_back({"power", "W", "of the wall on the bodies: of a wall of given motion from the frame, else from log.csv"});
   wall_answers =
       std::any_of(run.scene.walls.begin(), run.scene.walls.end(), [](const Wall& wall) { return wall.motion.drive().has_value(); });
   if (wall_answers) {
@@ -196,6 +223,17 @@ void StatisticsPlan::note_turning_box() {
                     fmt::format("the box '{}' turns, and solid fractions and profiles take its room as it is at the start, without "
                                 "the turn; give the room with --container, or a part of it with --region",
                                 wall.name));
+}
+
+void StatisticsPlan::note_potential_energy() {
+  const Settings& s = run.scene.settings;
+  for (int k = 0; k < 3; ++k) {
+    if (s.domain.periodic[static_cast<std::size_t>(k)] && s.gravity[k] != 0) has_endless_fall = true;
+  }
+  if (has_endless_fall && (!options.without.empty() || !within.is_everywhere()))
+    gaps.emplace_back("potential_energy",
+                      "gravity acts along a periodic axis, and frames do not have how often a body went through its sides: the energy "
+                      "of a part of the bodies is not known, and frames where some are left out have none");
 }
 
 void StatisticsPlan::add_groups() {
@@ -493,14 +531,18 @@ void StatisticsPlan::add_whole(const CountedFrame& counted, const FrameView& vie
   row.push_back(options.repose == "cone" ? angle_of_repose_cone(view) : (options.repose == "slope" ? angle_of_repose_slope(view) : kNaN));
   row.push_back(discharged(counted));
   row.push_back(kNaN);  // the rate needs the frame before: see run_statistics
-  const BodyEnergies energies = counted.is_whole ? BodyEnergies{frame.kinetic, frame.potential} : energies_of_bodies(view);
+  BodyEnergies energies{frame.kinetic, frame.potential};
+  if (!counted.is_whole) {
+    energies = energies_of_bodies(view);
+    if (has_endless_fall) energies.potential = kNaN;
+  }
   row.insert(row.end(),
              {energies.kinetic, energies.potential, frame.elastic, frame.dissipated, log_value(run.log, "energy_error", frame.time)});
 }
 
 void StatisticsPlan::add_tables(const FrameView& view, const ForceChains& chains, std::vector<double>& row) const {
   for (const ProfileBins& bins : profiles) {
-    const Profile p = profile(view, bins);
+    const Profile p = profile(view, bins_in_frame(bins, *facts, view.facts));
     for (std::size_t k = 0; k < bins.count; ++k) {
       row.insert(row.end(), {p.solid_fraction[k], p.particles[k]});
       row.insert(row.end(), {p.velocity[k].x, p.velocity[k].y, p.velocity[k].z});

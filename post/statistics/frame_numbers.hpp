@@ -28,6 +28,7 @@ struct StatisticsPlan {
   std::vector<Quantity> quantities, wall_quantities;
   bool wall_answers = false;            ///< some wall moves in answer to force
   bool wall_turns = false;              ///< some wall turns about an axis of its own
+  bool has_endless_fall = false;        ///< gravity acts along a periodic axis
   std::vector<StatisticsTable> tables;  ///< without values
   std::vector<ProfileBins> profiles;    ///< of the first tables
   Within within;
@@ -49,6 +50,7 @@ struct StatisticsPlan {
 
  private:
   void note_turning_box();
+  void note_potential_energy();
   void add_groups();
   void add_profiles(double low, double high);  // between these heights [m]
   void add_distributions(double diameter);     // [m]

@@ -225,6 +225,10 @@ FrameView::FrameView(const SceneFacts& the_facts, const Frame& the_frame)
   } else {
     lowest = highest = 0;
   }
+  if (facts.is_endless() && particles > 0) {
+    lowest = facts.cell_lower[up_axis];
+    highest = lowest + facts.period.period()[up_axis];
+  }
 
   const BodyRows row(b);
   const FrameContacts& c = frame.contacts;

@@ -42,6 +42,8 @@ struct SceneFacts {
   Container container;
   Periodicity period;
   Vec3 cell_lower;  ///< of the periodic cell [m]
+  /// Whether the vertical axis is periodic: then the cell is full of the bed, not the way from its lowest to its highest body.
+  bool is_endless() const { return period.is_periodic(container.vertical); }
   /// How many images of a point, which lies in the cell, are in a region: at a periodic side it may reach into the next cell.
   int images_in(const Region& region, const Vec3& point) const;
   /// Calls visit(shift) for the shift from the cell to each image of it that a region can hold a part of.
@@ -93,7 +95,8 @@ struct FrameView {
   std::vector<std::int32_t> row_a, row_b;  ///< of each contact; -1: a wall
   std::size_t particles = 0;
   double particle_volume = 0, mean_diameter = 0;  ///< of all particles [m^3], number mean of equivalent diameters [m]
-  /// Along the vertical axis: between which heights lie 10 % to 90 % of the solid, and all of the bodies [m].
+  /// Along the vertical axis: between which heights lie 10 % to 90 % of the solid, and all of the bodies [m]; of a bed without an end those
+  /// of the cell.
   double solid_low = 0, solid_high = 0, lowest = 0, highest = 0;
   /// Volume of the container between two heights, 0 without an extent.
   double room_between(double low, double high) const;

@@ -80,6 +80,9 @@ BodyEnergies energies_of_bodies(const FrameView& view) {
     const double moment = density * std::pow(b.scale[i], 5) * dot(spin, shape.mass.inertia * spin);
     energies.kinetic += 0.5 * (view.mass[i] * squared_length(b.velocity[i]) + moment);
     energies.potential -= view.mass[i] * (1 - fluid / density) * dot(scene.settings.gravity, b.position[i]);
+    const auto given = std::lower_bound(scene.forces.begin(), scene.forces.end(), b.id[i],
+                                        [](const BodyForce& force, std::int64_t id) { return force.id < id; });
+    if (given != scene.forces.end() && given->id == b.id[i]) energies.potential -= dot(given->force, b.position[i]);
   }
   return energies;
 }

@@ -87,14 +87,22 @@ Deepest evaluate_all(PairPass& pass, std::span<const std::int32_t> which) {
 /// Names the pair that makes the run invalid, if one does.
 void check_pass(const PairPass& pass, std::span<const std::int32_t> which, std::int64_t step, const Deepest& deepest) {
   const auto describe = [&](std::int32_t k) { return name_of_pair(pass.scene, pass.list.stored_pairs()[static_cast<std::size_t>(k)].key); };
-  const bool has_margin = pass.scene.source().settings.margin > 0;
-  const char* general = step == 0 ? "they overlap at the start: move them, or let scree-decomposer part them with contact.relax = true"
-                        : has_margin
-                            ? "the contact is too soft for this speed or load: raise the stiffness or the margin, or lower the speed"
-                            : "the contact is too soft for this speed or load: raise the stiffness, or lower the speed";
+  // balls touch each other, and walls that are no meshes, where they are drawn
+  const auto has_margin = [&](std::int32_t k) {
+    const BodyPair& pair = pass.list.stored_pairs()[static_cast<std::size_t>(k)];
+    const auto is_ball = [&](std::int32_t row) {
+      return pass.scene.shape(pass.p.shape[static_cast<std::size_t>(row)]).kind == ShapeKind::sphere;
+    };
+    return pass.scene.source().settings.margin > 0 && !(pass.scene.margins_by_size() && is_ball(pair.a) && (pair.b < 0 || is_ball(pair.b)));
+  };
+  const auto general = [&](std::int32_t k) {
+    return step == 0       ? "they overlap at the start: move them, or let scree-decomposer part them with contact.relax = true"
+           : has_margin(k) ? "the contact is too soft for this speed or load: raise the stiffness or the margin, or lower the speed"
+                           : "the contact is too soft for this speed or load: raise the stiffness, or lower the speed";
+  };
   const auto cure = [&](std::int32_t k) {
     const std::string squeezed = squeezed_between_walls(pass, k);
-    return squeezed.empty() ? std::string(general) : squeezed;
+    return squeezed.empty() ? std::string(general(k)) : squeezed;
   };
   if (const std::int32_t k = pass.intersecting.load(); k >= 0) throw RunInvalid("step {}: {} intersect; {}", step, describe(k), cure(k));
   if (pass.passing.load() >= 0) {
@@ -113,7 +121,7 @@ void check_pass(const PairPass& pass, std::span<const std::int32_t> which, std::
     const PairResult& r = pass.list.stored_results()[static_cast<std::size_t>(which[n])];
     if (r.active && !(r.overlap_ratio < pass.stop_ratio)) {
       throw RunInvalid("step {}: {} touch to {:.3f} of their {} (limit {}); {}", step, describe(which[n]), r.overlap_ratio,
-                       has_margin ? "margin" : "radius, the smaller one", pass.stop_ratio, cure(which[n]));
+                       has_margin(which[n]) ? "margin" : "radius, the smaller one", pass.stop_ratio, cure(which[n]));
     }
   }
 }

@@ -46,7 +46,7 @@ Frame make_frame(Simulation& simulation, const Energies& energies, int rank, boo
   frame.step = simulation.step();
   frame.time = simulation.time();
   frame.kinetic = energies.translational + energies.rotational;
-  frame.potential = energies.potential;
+  frame.potential = energies.potential + potential_about_world(simulation.state(), origin);
   frame.elastic = energies.elastic + energies.tangential_elastic;
   frame.dissipated = energies.dissipated;
   const ParticleSet& p = simulation.state().particles;

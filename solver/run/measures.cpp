@@ -73,6 +73,14 @@ Energies energies_of(const RunState& s) {
   return all;
 }
 
+double potential_about_world(const RunState& s, const Vec3& origin) {
+  if (origin == Vec3{}) return 0;
+  std::vector<ExactSum> sum(1);
+  for (std::size_t i = 0; i < s.particles.owned; ++i) sum[0].add(potential_energy_at(s, s.particles, i, origin));
+  add_over_ranks(s.comm.get(), sum);
+  return sum[0].value();
+}
+
 double shadow_energy_gap(const RunState& s) {
   const ParticleSet& p = s.particles;
   std::vector<ExactSum> sum(1);

@@ -11,7 +11,10 @@
 
 namespace scree {
 
+/// Potential energies are about the origin in which the scene is computed (origin.hpp).
 Energies energies_of(const RunState& s);
+/// What has to be added for them to be about the world's origin [J]. Collective, unless both are the same.
+double potential_about_world(const RunState& s, const Vec3& origin);
 /// What the energies of a leapfrog swing by at this step [J]: h^2 / 8 times the sum of squared forces over masses. The
 /// difference of both is kept exactly by linear contacts at any stable step.
 double shadow_energy_gap(const RunState& s);

@@ -278,10 +278,11 @@ void RunSteps::finish() {
   if (!reason.empty()) std::fprintf(stderr, "scree-solver: %s\n", reason.c_str());
   const RunRecord& record = guard_.record();
   const std::string since = is_restart_ ? fmt::format(" ({} of them since the restart)", simulation_.step() - first_step_) : "";
+  const Settings& settings = loaded_.scene.settings;
+  const char* room = settings.margin <= 0 ? "radius" : loaded_.scene.balls_touch_beside_meshes() ? "maximum" : "margin";
   progress_->finish(fmt::format("{} steps{}, {:.0f} particle-steps/s, overlap/{} at most {:.3f}, energy balance to {:.2g}",
-                                simulation_.step(), since, body_steps_ / std::max(seconds_since(start_), 1e-9),
-                                loaded_.scene.settings.margin > 0 ? "margin" : "radius", record.max_overlap_ratio,
-                                relative_energy_error(record.energy_error, record.in_play(), loaded_.scene)));
+                                simulation_.step(), since, body_steps_ / std::max(seconds_since(start_), 1e-9), room,
+                                record.max_overlap_ratio, relative_energy_error(record.energy_error, record.in_play(), loaded_.scene)));
 }
 
 /// Contacts deeper than their maximum overlap since the start.

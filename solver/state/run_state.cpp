@@ -33,9 +33,12 @@ void RunState::set_walls() {
 }
 
 double potential_energy(const RunState& s, const ParticleSet& p, std::size_t body) {
+  return potential_energy_at(s, p, body, p.cell.periodicity().way_of(p.x[body], p.image[body]));
+}
+
+double potential_energy_at(const RunState& s, const ParticleSet& p, std::size_t body, const Vec3& way) {
   if (p.fixed[body]) return 0;
   const double mass = s.fluid ? s.fluid->weighed_mass(p, body) : p.mass[body];
-  const Vec3 way = p.cell.periodicity().way_of(p.x[body], p.image[body]);
   const double of_gravity = -mass * dot(s.scene.source().settings.gravity, way);
   const BodyForce* given = s.scene.given_force(p.id[body]);
   return given == nullptr ? of_gravity : of_gravity - dot(given->force, way);

@@ -65,6 +65,8 @@ struct RunState {
 
 /// Of a body [J]: against gravity, buoyancy included, on the way that it has gone through periodic axes.
 double potential_energy(const RunState& s, const ParticleSet& p, std::size_t body);
+/// The same of a body at any place.
+double potential_energy_at(const RunState& s, const ParticleSet& p, std::size_t body, const Vec3& place);
 /// The second kick of the present step for a body that touches nothing.
 void finish_in_free_flight(const RunState& s, ParticleSet& p, std::size_t body);
 

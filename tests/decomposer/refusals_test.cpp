@@ -306,6 +306,8 @@ TEST(Refusals, friction_as_an_angle_is_answered_with_its_tangent) {
   std::string text = kHead + kMargin + "[[bodies]]\nshape = \"ball\"\nmaterial = \"stone\"\nposition = [0, 0, 3]\n";
   text.replace(text.find("restitution = 0.5"), 17, "restitution = 0.5\nfriction = \"22 deg\"");
   expect_says(failure(text, ExitCode::usage), {"friction = \"22 deg\"", "tangent", "write 0.404026"});
+  text.replace(text.find("22 deg"), 6, "90 deg");
+  expect_says(failure(text, ExitCode::usage), {"friction = \"90 deg\"", "tangent", "below 90"});
 }
 
 TEST(Refusals, balls_have_no_elastic_layer_where_they_touch_at_their_drawn_surface) {

@@ -764,11 +764,12 @@ TEST_F(StatisticsOfARun, energies_are_those_of_the_bodies_that_are_counted) {
   p.add({1, 1, 1}, {2, 0, 0});
   p.add({3, 1, 2}, {0, 0, -30}, 0, 1);
   p.frame.bodies.angular_velocity[1] = {0, 6, 0};
+  p.run.scene.forces = {{1, {3, 0, 5}}};
   const double ball = 2000 * std::numbers::pi / 6, box = 2000 * 0.5 * 1 * 1.5;
   // of the box with edges 0.5, 1 and 1.5 m about its axis y: m (a^2 + c^2) / 12
   const double of_box = 0.5 * box * (900 + (0.25 + 2.25) / 12 * 36);
   p.frame.kinetic = 0.5 * ball * 4 + of_box;
-  p.frame.potential = ball * 10 * 1 + box * 10 * 2;
+  p.frame.potential = ball * 10 * 1 + box * 10 * 2 - 3 * 3 - 5 * 2;
   const scree::Run run = written(folder / "two.run", p, {p.frame});
   const auto of = [&](const std::vector<std::string>& left_out, const char* quantity) { return mean_without(run, left_out, quantity); };
   EXPECT_DOUBLE_EQ(of({}, "kinetic_energy"), p.frame.kinetic);
@@ -776,7 +777,73 @@ TEST_F(StatisticsOfARun, energies_are_those_of_the_bodies_that_are_counted) {
   EXPECT_NEAR(of({"1"}, "kinetic_energy"), 0.5 * ball * 4, 1e-9 * ball);
   EXPECT_NEAR(of({"0"}, "kinetic_energy"), of_box, 1e-9 * of_box);
   EXPECT_NEAR(of({"1"}, "potential_energy"), ball * 10, 1e-9 * ball);
-  EXPECT_NEAR(of({"0"}, "potential_energy"), box * 20, 1e-9 * box);
+  EXPECT_NEAR(of({"0"}, "potential_energy"), box * 20 - 3 * 3 - 5 * 2, 1e-9 * box);  // that of its constant force too
+}
+
+/// Two balls that press on each other through the lower and upper side of a cell of 4 m, which fill the rest of it with nothing.
+Packing two_through_a_periodic_side(const Vec3& gravity) {
+  Packing p(0.5, {0, 0, 0}, {4, 4, 4}, gravity);
+  p.run.scene.walls.clear();
+  p.run.boundary_ids.clear();
+  p.frame.walls = {};
+  Domain& domain = p.run.scene.settings.domain;
+  domain.bounded = true;
+  domain.periodic = {true, true, true};
+  domain.lower = {0, 0, 0};
+  domain.upper = {4, 4, 4};
+  p.add({1, 1, 0.5});
+  p.add({1, 1, 3.5});
+  p.contact(0, 1, {1, 1, 0}, {0, 0, 1}, 8);
+  return p;
+}
+
+TEST_F(StatisticsOfARun, a_cell_that_is_periodic_along_up_is_the_room_of_its_stress_and_its_layers) {
+  const Packing p = two_through_a_periodic_side({0, 0, 0});
+  const scree::Run run = written(folder / "cell.run", p, {p.frame});
+  const auto of = [&](const char* quantity) { return mean_without(run, {}, quantity); };
+  EXPECT_NEAR(of("stress_zz"), 8 * 1.0 / 64, 1e-12);  // force times branch over the volume
+  EXPECT_NEAR(of("pressure"), 8 * 1.0 / 64 / 3, 1e-12);
+  EXPECT_NEAR(of("solid_fraction_of_container"), 2 * std::numbers::pi / 6 / 64, 1e-12);
+  StatisticsOptions options;
+  options.frames = {0};
+  options.profiles = {"z:4"};
+  const StatisticsTable table = run_statistics(run, options, "").tables.front();
+  EXPECT_EQ(table.coordinates, (std::vector<double>{0.5, 1.5, 2.5, 3.5}));
+  const double ball = std::numbers::pi / 6 / 16;
+  for (const std::size_t k : {0, 1, 2, 3}) EXPECT_NEAR(table.values[0][k].mean, k % 3 == 0 ? ball : 0, 1e-12) << k;
+}
+
+TEST_F(StatisticsOfARun, of_a_part_of_the_bodies_the_energy_of_a_fall_without_an_end_is_not_known) {
+  Packing p = two_through_a_periodic_side({1, 0, -10});
+  p.frame.potential = -7;
+  const scree::Run run = written(folder / "endless.run", p, {p.frame});
+  EXPECT_DOUBLE_EQ(mean_without(run, {}, "potential_energy"), -7);
+  EXPECT_TRUE(std::isnan(mean_without(run, {"0"}, "potential_energy")));
+  EXPECT_FALSE(std::isnan(mean_without(run, {"0"}, "kinetic_energy")));
+  StatisticsOptions options;
+  options.frames = {0};
+  options.without = ids_left_out(run, {"0"});
+  const Statistics statistics = run_statistics(run, options, "");
+  EXPECT_TRUE(std::any_of(statistics.gaps.begin(), statistics.gaps.end(), [](const auto& gap) {
+    return gap.first == "potential_energy" && gap.second.find("periodic") != std::string::npos;
+  }));
+}
+
+TEST_F(StatisticsOfARun, layers_across_a_container_that_moves_go_with_it) {
+  Packing p(0.5, {0, 0, 0}, {4, 4, 4}, {0, 0, -10});
+  for (const double x : {0.5, 1.5, 3.5}) p.add({x, 2, 0.5});
+  std::vector<Frame> frames{p.frame, p.frame};
+  frames[1].walls.position = {Vec3{10, 0, 0}};
+  for (Vec3& x : frames[1].bodies.position) x.x += 10;
+  const scree::Run run = written(folder / "moved.run", p, frames);
+  for (const std::size_t f : {0, 1}) {
+    StatisticsOptions options;
+    options.frames = {f};
+    options.profiles = {"x:4"};
+    const StatisticsTable table = run_statistics(run, options, "").tables.front();
+    EXPECT_EQ(table.coordinates, (std::vector<double>{0.5, 1.5, 2.5, 3.5}));
+    for (const std::size_t k : {0, 1, 2, 3}) EXPECT_EQ(table.values[1][k].mean, k == 2 ? 0 : 1) << f << ' ' << k;
+  }
 }
 
 TEST_F(StatisticsOfARun, what_is_left_out_counts_in_no_contact) {

@@ -20,7 +20,9 @@ RUNNER, ROOT = WORKFLOWS / "run", WORKFLOWS.parent
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(WORKFLOWS))
 import case_keys  # noqa: E402
+import config_words  # noqa: E402
 import points_queue  # noqa: E402
+import sweep_quantity  # noqa: E402
 from config_words import Wrong, given_in, module_of, words_of  # noqa: E402
 
 shutil.rmtree(SCRATCH, ignore_errors=True)
@@ -40,6 +42,14 @@ def wrong(function, *arguments):
     except Wrong as reason:
         return str(reason)
     raise AssertionError(f"{arguments}: accepted")
+
+
+def wrong_quantity(word, case):
+    try:
+        sweep_quantity.check(word, [case])
+    except sweep_quantity.Wrong as reason:
+        return str(reason)
+    raise AssertionError(f"{word}: accepted")
 
 
 # --- 1. every word that a Snakefile reads is known, and has a meaning for --help
@@ -100,6 +110,19 @@ for sweep, corrected in (("pairs.0.friction=0.2|0.6,time.duration=1 s|2 s", "pai
                          ("pairs.0.friction=0.2|0.6 seed=1|2", "pairs.0.friction=0.2|0.6;seed=1|2")):
     assert f'"sweep={corrected}"' in wrong(case_keys.axes_of, sweep), wrong(case_keys.axes_of, sweep)
 assert "expected KEY=VALUE|VALUE" in wrong(case_keys.axes_of, "seed=1;friction")
+assert case_keys.axes_of('title="x;y|z"|"w"') == [[("title", '"x;y|z"'), ("title", '"w"')]]
+assert "seed stands there twice" in wrong(case_keys.axes_of, "seed=1|2;gravity.2=-9|-8;seed=3|4")
+OWN = str(WORKFLOWS / "own_case.smk")
+for words, says in ((["replicas=abc"], "replicas=abc: expected a whole number from 1"), (["ranks=-1"], "expected a whole number from 0"), (["threads=0"], "from 1 on"),
+                    (["minutes="], "minutes=: a value is missing"), (["sweep=seed=1|2", "replicas=2"], "the sweep has seeds of its own")):
+    assert says in wrong(config_words.check, OWN, "own.toml", words), words
+config_words.check(OWN, "own.toml", ["sweep=seed=1|2", "replicas=1", "ranks=0"])
+(SCRATCH / "still.toml").write_text('[[walls]]\nname = "floor"\n')
+(SCRATCH / "all.toml").write_text('[heat]\n[[walls]]\nwear = {}\n[[walls]]\nmotion = [{ rotate = {} }, { servo = {} }]\n')
+for word in ("temperature", "temperature_spread", "way", "rate@floor", "sliding_power", "volume_worn"):
+    assert "have no " + word.partition("@")[0] in wrong_quantity(word, str(SCRATCH / "still.toml")), word
+    sweep_quantity.check(word.partition("@")[0], [str(SCRATCH / "all.toml")])
+sweep_quantity.check("temperature", [str(SCRATCH / "still.toml")], changed=("heat.frozen",))
 
 # --- 3. what is behind --config
 assert given_in(["a", "--config", "x=1", "y=--from 2", "-n", "b", "--until", "c"]) == ["x=1", "y=--from 2"]

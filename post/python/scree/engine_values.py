@@ -96,7 +96,8 @@ class Energies:
 
     translational       kinetic, of the centres of mass
     rotational          kinetic, about the centres of mass
-    potential           of weight, buoyancy and constant forces of the case, from the origin of the world; of bodies that are in the run
+    potential           of weight, buoyancy and constant forces of the case; of bodies that are in the run. It is 0 at the origin of the world, in a
+                        scene that is a thousand of its sizes away from it at a point near its middle
     elastic             of all contacts, along their normals
     tangential_elastic  of all contacts, in the springs of friction across their normals
     dissipated          taken by damping and friction of contacts and by a fluid, since the start
