@@ -83,8 +83,8 @@ class RunSteps {
   Schedule schedule_;
   Writers writers_;
   Guard guard_;
-  std::int64_t row_step_;    // of the last row
   std::int64_t first_step_;  // of this part of the run, from a restart on
+  std::int64_t row_step_;    // of the last row
   double body_steps_ = 0;    // of this part of the run: bodies may come and go
   std::chrono::steady_clock::time_point start_, row_time_, checkpoint_time_;
   CoreWatch cores_;                     // of the steps, without what is written
