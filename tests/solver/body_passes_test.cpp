@@ -101,7 +101,7 @@ TEST(BodyPasses, a_body_beyond_its_limit_or_nowhere_is_seen_and_speeds_that_are_
     }
     EXPECT_EQ(find_rows_moved(p, farthest, begin, end).squared_speed, squared);
     EXPECT_FALSE(find_rows_moved(p, farthest, begin, end).beyond);
-    if (end > begin) EXPECT_TRUE(find_rows_moved(p, farthest * (1 - 1e-15), begin, end).beyond);
+    EXPECT_EQ(find_rows_moved(p, farthest * (1 - 1e-15), begin, end).beyond, end > begin);
     for (std::size_t i = begin; i < end; ++i) {
       ParticleSet lost = p;
       lost.x[i].y = lost.v[i].z = nan;
