@@ -33,7 +33,7 @@ constexpr double kRowsPerFrame = 10;  // of log.csv, see make_schedule
 constexpr double kContactsAtRest = 2.4;
 
 /// Processor time of a body and step in a bed [s], balls and meshes, about, before a sample tells (see kMeshesPerThread).
-constexpr double kBallInBed = 0.5e-6, kMeshInBed = 5e-6;
+constexpr double kBallInBed = 0.2e-6, kMeshInBed = 2.5e-6;
 /// How far off an estimate may be: walls, what they record and what stirs the bed are not in the sample, and a large bed fits no cache.
 /// From the runs of tests/benchmarks/plan, those with outlets apart.
 constexpr double kSpread = 2.5;
