@@ -54,16 +54,16 @@ int run_main(const std::string& tool, const std::function<int()>& body) {
 namespace {
 
 std::mutex g_warnings;
+std::map<std::string, long> g_counts;
 std::function<void(const std::string&)> g_sink;
 
 }  // namespace
 
 void warn_once(const std::string& tool, const std::string& text) {
-  static std::map<std::string, long> counts;
   std::function<void(const std::string&)> sink;
   {
     const std::lock_guard lock(g_warnings);
-    if (counts[text]++ != 0) return;
+    if (g_counts[text]++ != 0) return;
     sink = g_sink;
   }
   sink ? sink(text) : print_message(tool, "warning", "33", text);
@@ -72,6 +72,11 @@ void warn_once(const std::string& tool, const std::string& text) {
 void set_warning_sink(std::function<void(const std::string& text)> sink) {
   const std::lock_guard lock(g_warnings);
   g_sink = std::move(sink);
+}
+
+void forget_warnings() {
+  const std::lock_guard lock(g_warnings);
+  g_counts.clear();
 }
 
 namespace detail {

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <optional>
 
+#include "core/base/counted.hpp"
 #include "core/base/error.hpp"
 #include "core/base/near_file.hpp"
 #include "core/base/numbers.hpp"
@@ -138,6 +139,13 @@ class Builder {
           case_.start->where, carried.from.scene.bonds.size());
     }
     if (case_.start->goes_on) go_on(case_, carried.from, report().notices);
+    if (carried.from.in_transit > 0)
+      report().notices.push_back(
+          fmt::format("{}: {} of {} had left through an outlet and waited at an inlet to come in again: not in this scene",
+                      case_.start->where, counted(carried.from.in_transit, "body", "bodies"), case_.start->run));
+    for (BodyRow& row : carried.from.bodies) {  // populations of this case come first
+      if (row.population >= 0) row.population += static_cast<std::int32_t>(case_.populations.size());
+    }
     parts_.first_id = carried.from.first_free_id;
     out_.inputs.insert(out_.inputs.end(), carried.from.inputs.begin(), carried.from.inputs.end());
     // only now it is known which bodies can meet

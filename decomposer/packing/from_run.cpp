@@ -67,6 +67,10 @@ class RunReader {
     for (const std::int64_t id : from_.scene.bodies.id) use(id);
     for (const Wall& wall : from_.scene.walls) use(wall.id);
     materials_ = materials_in_case(case_, from_.scene);
+    for (std::size_t i = 0; i < from_.scene.bodies.size(); ++i) {
+      population_[from_.scene.bodies.id[i]] = from_.scene.bodies.population[i];
+      came_in_ = std::max(came_in_, from_.scene.bodies.population[i] + 1);
+    }
     if (start_.frame >= 0)
       read_frame();
     else
@@ -78,6 +82,12 @@ class RunReader {
   }
 
  private:
+  /// Of which population a body was, -1: of [[bodies]]; what came in through inlets, or a program put in, counts as one more.
+  std::int32_t population_of(std::int64_t id) const {
+    const auto found = population_.find(id);
+    return found != population_.end() ? found->second : came_in_;
+  }
+
   void use(std::int64_t id) { from_.first_free_id = std::max(from_.first_free_id, id + 1); }
 
   void add(BodyRow row) {
@@ -149,7 +159,7 @@ class RunReader {
       const bool fixed = known != row_of.end() && from_.scene.bodies.fixed[known->second] != 0;
       const bool locked = known != row_of.end() && from_.scene.bodies.lock_rotation[known->second] != 0;
       add({b.id[i], b.shape[i], b.material[i], b.scale[i], b.position[i], b.orientation[i], b.velocity[i], b.angular_velocity[i], fixed,
-           locked, -1, b.temperature[i]});
+           locked, population_of(b.id[i]), b.temperature[i]});
     }
   }
 
@@ -199,6 +209,7 @@ class RunReader {
         if (const auto found = from_.driven.find(w); found != from_.driven.end()) found->second.way = drive.way;
       }
     }
+    if (root.has("transit")) from_.in_transit = root.open_group("transit").row_count("id");
     from_.start.pairs = read_pair_tables(root);
   }
 
@@ -227,7 +238,8 @@ class RunReader {
     for (const std::size_t i : order) {
       // what the sum rounds off goes to the remainder
       const Vec3 place = x[i] + origin, part = place - x[i], lost = (x[i] - (place - part)) + (origin - part);
-      BodyRow row{id[i], shape[i], material[i], scale[i], place, {}, v[i], w[i], fixed[i] != 0, locked[i] != 0, -1, temperature[i]};
+      BodyRow row{id[i],         shape[i],       material[i],          scale[i],      place, {}, v[i], w[i],
+                  fixed[i] != 0, locked[i] != 0, population_of(id[i]), temperature[i]};
       if (shape[i] >= 0 && static_cast<std::size_t>(shape[i]) < from_.scene.shapes.size())
         row.orientation = normalised(q[i] * conjugate(from_.scene.shapes[static_cast<std::size_t>(shape[i])].mass.body_from_principal));
       add(row);
@@ -242,6 +254,8 @@ class RunReader {
   FromRun from_;
   std::string scene_hash_;
   std::vector<std::int32_t> materials_;  // of the run, in the case
+  std::map<std::int64_t, std::int32_t> population_;
+  std::int32_t came_in_ = 0;
 };
 
 /// The wall as it stands at a time of the run; nothing for a box_inside that is turned then.

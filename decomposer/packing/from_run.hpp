@@ -31,6 +31,7 @@ struct FromRun {
   std::vector<InputRecord> inputs;          ///< the scene of the run and its checkpoint or frame
   std::map<std::size_t, StoodWall> driven;  ///< by their index in that scene; none that has no mesh and was turned
   std::optional<CellOfRun> cell;            ///< where the periodic cell of the run deforms: as it was then
+  std::int64_t in_transit = 0;              ///< bodies that wait at inlets to come in again: they are not taken over
   double clock_of_run = 0;                  ///< StartState::clock of the run, 0 where it has none [s]
   std::int64_t first_free_id = 0;           ///< above all that bodies and walls had in that run, and in those before it
 

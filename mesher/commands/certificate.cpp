@@ -19,7 +19,12 @@ namespace {
 /// Two units are the same within this part: what formats state comes through single precision.
 constexpr double kSameUnit = 1e-5;
 
-double metres_of(const std::string& unit) { return parse_quantity("1 " + unit, Dimension::length, "--unit"); }
+double metres_of(const std::string& unit) {
+  if (unit.find_first_of("0123456789") != std::string::npos)
+    throw UsageError(
+        "--unit \"{}\": expected the name of a unit, such as mm, cm or in; a number by which lengths are multiplied is --scale", unit);
+  return parse_quantity("1 " + unit, Dimension::length, "--unit");
+}
 
 /// Largest side of the bounding box, in the file's own numbers.
 double longest_side(const MeshFile& file) {

@@ -65,7 +65,11 @@ CommandResult describe_command(const DescribeOptions& options) {
         shapes.push_back(certified_shape(shape_name_from(path), std::move(file.mesh), false, path, ignored));
       }
       for (const Shape& shape : shapes) {
-        if (shape.kind != ShapeKind::solid) continue;
+        if (shape.kind != ShapeKind::solid) {
+          refused.push_back(fmt::format("{}: '{}' is {}", path, shape.name,
+                                        shape.kind == ShapeKind::sphere ? "an analytic ball, which has no triangles" : "an open surface"));
+          continue;
+        }
         names.push_back(shape.name);
         sources.push_back(path);
         all.push_back(describe(shape.mesh));
@@ -74,8 +78,14 @@ CommandResult describe_command(const DescribeOptions& options) {
       refused.push_back(error.what());
     }
   }
+  if (all.empty()) {
+    constexpr std::size_t kMostReasons = 10;
+    const std::size_t shown = std::min(refused.size(), kMostReasons);
+    throw InputError("{} no solid: {}{}", paths.size() == 1 ? "the file holds" : fmt::format("the {} files hold", paths.size()),
+                     fmt::join(refused.begin(), refused.begin() + static_cast<std::ptrdiff_t>(shown), "; "),
+                     refused.size() > shown ? fmt::format("; and {} more", refused.size() - shown) : "");
+  }
   for (const std::string& text : refused) result.notices.push_back("left out: " + text);
-  if (all.empty()) throw InputError("none of the {} files holds a solid", options.files.size());
 
   // shapes of one name are told apart by their files
   const std::vector<std::string> given = names;

@@ -189,6 +189,8 @@ Region parse_region(const std::string& text) {
     region.lower = component_min(a, b);
     region.upper = component_max(a, b);
   }
+  if (region.kind != Region::Kind::box && !(region.radius > 0))
+    throw UsageError("{}: radius {:g} m found, a radius above 0 expected", where, region.radius);
   if (!(region.volume() > 0)) throw UsageError("{}: it has no volume", where);
   return region;
 }

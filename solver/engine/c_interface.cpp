@@ -73,6 +73,7 @@ int scree_open(const char* scene, const void* comm, const char* run, const char*
   if (engine == nullptr || scene == nullptr)
     return fail(SCREE_USAGE, "open: a scene file and a place for the engine are needed; one is NULL");
   *engine = nullptr;
+  forget_warnings();  // those of an engine that was opened before are new for this one
   return mapped([&] {
     begin_mpi(comm != nullptr);
     const MPI_Comm on = comm == nullptr ? MPI_COMM_SELF : *static_cast<const MPI_Comm*>(comm);

@@ -343,6 +343,33 @@ def angle(path, wall=0):
     return 2 * numpy.arctan2(y, w)
 
 
+def populations_of(path):
+    with h5py.File(path) as file:
+        return dict(zip(file["bodies/id"][:].tolist(), file["bodies/population"][:].tolist()))
+
+
+def bodies_stay_what_they_were_poured_or_placed():
+    """Of populations, of [[bodies]], of an inlet and waiting at one: what is apparatus and what a particle stays so in a run that goes on."""
+    settle()
+    text = (head(0.02) + MARGIN + BED + BOX + '[[bodies]]\nshape = "ball"\nmaterial = "stone"\nposition = [0, 0, 0.15]\n[[inlets]]\nname = "feed"\n'
+            'shapes = { ball = 1 }\nmaterial = "stone"\nnumber_rate = "400 1/s"\nlimit = 2\nregion = { box = [[-0.02, -0.02, 0.17], [0.02, 0.02, 0.19]] }\n')
+    decompose(text, "first")
+    run(1, "first.scene.h5", "-o", "first.run")
+    before = populations_of("first.scene.h5")
+    assert sorted(set(before.values())) == [-1, 0], before
+    with h5py.File(sorted(name for name in (os.path.join("first.run", n) for n in os.listdir("first.run")) if "checkpoint_" in name)[-1]) as file:
+        there = file["bodies/id"][:].tolist()
+    assert len(there) > len(before), there
+    for name, words, shift in (("on", text.replace("seed = 3", 'seed = 3\n[start]\nrun = "first.run"\ncontinue = true', 1), 0),
+                               ("more", head() + MARGIN + '[start]\nrun = "first.run"\n' + BOX + BED.replace("count = 24", "count = 2").replace("0.001]", "0.16]").replace("0.07]", "0.19]"), 1)):
+        decompose(words, name)
+        after = populations_of(f"{name}.scene.h5")
+        for i in there:
+            expected = before.get(i, 1)   # of the inlet: one more than there were
+            assert after[i] == (expected + shift if expected >= 0 else -1), (name, i, after[i], expected)
+        assert sum(p == 0 for i, p in after.items() if i not in there) == (2 if shift else 0), after
+
+
 def a_case_goes_on_where_its_run_ended():
     subprocess.run([os.path.join(BIN, "scree-mesher"), "generate", "cube", "--size", "0.01", "-o", "cube.shape.h5", "--name", "cube"], check=True, capture_output=True)
     go_on("whole", 0.32)
@@ -430,4 +457,4 @@ def a_damaged_start_in_a_scene_is_refused():
 
 main([a_bed_at_rest_rests_on_from_its_checkpoint, without_springs_it_is_disturbed,
       what_a_case_adds_is_put_around_the_bodies_and_is_the_same_on_any_ranks, a_chain_of_starts_never_uses_an_id_again,
-      renamed_materials_and_another_wall, a_wall_that_a_servo_moved_is_where_it_stood, a_case_goes_on_where_its_run_ended, bad_input_is_refused_by_name, a_damaged_start_in_a_scene_is_refused])
+      renamed_materials_and_another_wall, a_wall_that_a_servo_moved_is_where_it_stood, bodies_stay_what_they_were_poured_or_placed, a_case_goes_on_where_its_run_ended, bad_input_is_refused_by_name, a_damaged_start_in_a_scene_is_refused])

@@ -553,6 +553,13 @@ def functions_after_steps_are_called_in_multiples():
         engine.step(12)
         engine.step(0)
         assert calls == [-5, 7, -10, 14, -15]
+        for never in (math.nan, math.inf, 1e300):
+            try:
+                engine.run_until(never)
+            except scree.UsageError as error:
+                assert "no time that can be reached" in str(error), error
+            else:
+                raise AssertionError(never)
         engine.run_until(0.012)
         assert (engine.steps, engine.state_hash()) == (plain.steps, plain.state_hash())
         assert calls[-1] in (-(engine.steps // 5) * 5, engine.steps // 7 * 7)
@@ -602,7 +609,8 @@ def warnings_go_to_python():
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         scree.Engine("uneven.scene.h5").close()
-    assert [w.category for w in caught] == [scree.ScreeWarning], caught
+        scree.Engine("uneven.scene.h5").close()   # of another engine it is news again
+    assert [w.category for w in caught] == 2 * [scree.ScreeWarning], caught
     assert "mass ratio" in str(caught[0].message) and caught[0].filename == os.path.abspath(__file__), (caught[0].filename, caught[0].lineno)
 
 

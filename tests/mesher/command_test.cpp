@@ -579,6 +579,25 @@ TEST_F(Mesher, describe_tells_shapes_of_one_name_apart_by_their_files) {
   EXPECT_EQ(run("describe a.shape.h5").output.find("(a.shape.h5)"), std::string::npos);
 }
 
+TEST_F(Mesher, describe_says_why_no_file_holds_a_solid) {
+  folder.write("comma.obj", "v 0,5 0 0\n");
+  ASSERT_EQ(run("generate sphere --radius 5mm -o ball.shape.h5").code, 0);
+  const ToolRun one = run("describe comma.obj"), both = run("describe comma.obj ball.shape.h5");
+  EXPECT_EQ(one.code, 3);
+  EXPECT_SAYS(one.errors, "the file holds no solid: comma.obj");
+  EXPECT_SAYS(one.errors, "line 1: '0,5' is no number");
+  EXPECT_SAYS(both.errors, "the 2 files hold no solid");
+  EXPECT_SAYS(both.errors, "line 1: '0,5' is no number");
+}
+
+TEST_F(Mesher, a_number_given_as_a_unit_is_answered_with_the_option_for_numbers) {
+  folder.write("rock.obj", "v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
+  const ToolRun result = run("import rock.obj --unit \"2.5 mm\" -o x.shape.h5");
+  EXPECT_EQ(result.code, 2);
+  EXPECT_SAYS(result.errors, "expected the name of a unit, such as mm");
+  EXPECT_SAYS(result.errors, "--scale");
+}
+
 TEST_F(Mesher, info_says_that_triangles_of_a_solid_cross) {
   TriangleMesh mesh = test::icosphere(2);
   mesh.vertices[0] = -1.2 * mesh.vertices[0];  // through the opposite side

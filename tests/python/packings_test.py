@@ -309,6 +309,8 @@ write_dump all custom moved.dump {columns} modify sort id format float %.17g
                 np.testing.assert_allclose(start["orientation"], p.quaternion[order], atol=1e-15)
         run = scree.solve(self.path("balls.scene.h5"), threads=1, progress=False)
         again = scree.Packing.of(run.bodies(0))
+        last = scree.Packing.of(run.bodies(-1))
+        self.assertEqual((last.step, last.time), (run.frames[-1].step, run.frames[-1].time))
         np.testing.assert_array_equal(again.position, p.position[np.argsort(p.id)])
         np.testing.assert_allclose(again.radius, p.radius[np.argsort(p.id)], rtol=3e-16)
 

@@ -102,6 +102,13 @@ every = "5 ms"
         self.assertAlmostEqual(cell.pressure, cell.stress[0, 0] / 3, delta=1e-12 * cell.pressure)
         self.assertAlmostEqual(abs(along[0]), 0.2 * np.exp(3 * frame.time), delta=1e-9)
         np.testing.assert_array_equal(frame.periodicity.period, cell.period)
+        scree.write_h5md(scree.open(os.path.dirname(frame.path)), self.path("cell.h5md"))
+        with h5py.File(self.path("cell.h5md")) as file:
+            np.testing.assert_array_equal(file["particles/trajectory/box/offset/value"][-1], cell.lower)
+        half = scree.Box(cell.lower, [*(cell.lower + cell.period / 2)[:1], *cell.upper[1:]])
+        np.testing.assert_array_equal(frame.bodies.within(half).id, frame.bodies.in_region(half).id)
+        beyond = scree.Box(cell.lower + [cell.period[0], 0, 0], cell.upper + [cell.period[0], 0, 0])   # the next cell: an image of each body
+        self.assertEqual(len(frame.bodies.within(beyond)), len(frame.bodies))
 
     def test_frames_are_found_by_place_number_and_time(self):
         frames = self.run_.frames
@@ -535,7 +542,7 @@ class RegionTest(unittest.TestCase):
         self.assertEqual(scree.Box([0, 0, 0], [1, 2, 3]).volume, 6)
         self.assertEqual(scree.Box([0, 0, 0], [1, 2, 3]).upper.tolist(), [1, 2, 3])
         np.testing.assert_allclose(scree.Cylinder([0, 0, 0], [0, 0, 1], 2).bounds, [[-2, -2, 0], [2, 2, 1]])
-        for text in ("cube:0,0,0,1,1,1", "box:0,0,0,1,1", "sphere:0,0,0,0", "box:0,0,0,1,1,1 kg"):
+        for text in ("cube:0,0,0,1,1,1", "box:0,0,0,1,1", "sphere:0,0,0,0", "cylinder:0,0,0,0,0,1,-1", "box:0,0,0,1,1,1 kg"):
             with self.assertRaises(scree.UsageError):
                 scree.region(text)
 

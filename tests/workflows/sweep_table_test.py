@@ -65,7 +65,7 @@ named = re.findall(r'\{"([a-z_]{3,})", "', ours) + [f"{name}_{ij}" for name in r
 assert len(named) > 40 and set(named) <= set(sweep_quantity.OF_BODIES), set(named) ^ set(sweep_quantity.OF_BODIES)
 
 case = SCRATCH / "case.toml"
-case.write_text('[[walls]]\nname = "drum"\n[[walls]]\n')
+case.write_text('[[walls]]\nname = "drum"\n[[walls]]\nwear = {}\n')
 (SCRATCH / "mine.py").write_text('def ratio(run):\n    return 2.5, "N m"\n')
 for word in ("mixing_index", "torque_y", "axis_torque@drum", "power@drum", "volume_worn@1", "mine.py:ratio"):
     check(word, [case], SCRATCH)

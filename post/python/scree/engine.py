@@ -138,8 +138,10 @@ class Engine(AfterSteps, HeatOfEngine, ReadAttributes):
             self._moves += 1
             self._call("run_until", until)
             return
-        steps = math.ceil((until - self.time) / self.dt - 1e-9) if math.isfinite(until) else 2**63  # as the library
-        self._advance(whole("run_until: steps", max(0, steps), 0))
+        steps = (until - self.time) / self.dt
+        if not abs(steps) < 2**53:   # as the library
+            raise UsageError(f"run_until: {until:g} s is no time that can be reached in steps of {self.dt:.3g} s")
+        self._advance(max(0, math.ceil(steps - 1e-9)))
 
     def _advance(self, count: int) -> None:
         self._check_not_nested("step")

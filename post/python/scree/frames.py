@@ -141,7 +141,8 @@ class Frame:
         mean_normal_force, max_normal_force, mean_tangential_force, tensile_fraction, mean_tensile_force, fabric_ij. Of motion:
         particle_count, mass, velocity_i, mean_speed, mean_spin, granular_temperature, centre_of_mass_i, and of a scene with heat
         temperature and temperature_spread. Of the whole scene,
-        without a region: kinetic_energy, potential_energy, elastic_energy, dissipated_energy. What is not defined (no particle, no contact, no contacts kept) is NaN.
+        without a region: kinetic_energy, potential_energy, elastic_energy, dissipated_energy. What is not defined (no particle, no contact, no contacts kept) is NaN; the largest
+        normal force of no contact is 0.
         """
         return frame_measures(self, None if part is None else region(part))
 

@@ -107,6 +107,9 @@ class _Writer:
             lower = self.file.create_dataset("parameters/domain/min", data=np.asarray(domain["min"], dtype=float))
             for data in (edges, lower):
                 self.unit(data, "m")
+            if any(f.cell for f in self.frames):  # where its lower corner is as it deforms; parameters/domain/min is that of the start
+                places = [f.cell.lower if f.cell else domain["min"] for f in self.frames]
+                self.unit(self.element(box, "offset").create_dataset("value", data=np.array(places, dtype=float)), "m")
 
     def names(self) -> None:
         """What the numbers of `species` and `material` count."""

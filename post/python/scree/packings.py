@@ -84,7 +84,8 @@ class Packing:
             raise UsageError("packing: the periodic cell of the frame is sheared, which formats of packings do not hold; take a frame without shear")
         bounded = domain.get("bounded", "min" in domain)
         lower, upper = (cell.lower, cell.upper) if cell else (domain["min"], domain["max"]) if bounded else (None, None)
-        return cls(bodies.position, exact[bodies.shape] * bodies.scale, id=bodies.id, kind=bodies.material + 1, velocity=bodies.velocity,
+        step, time = bodies._store.moment
+        return cls(bodies.position, exact[bodies.shape] * bodies.scale, id=bodies.id, step=step, time=time, kind=bodies.material + 1, velocity=bodies.velocity,
                    angular_velocity=bodies.angular_velocity, quaternion=bodies.quaternion,
                    density=np.array([m.density for m in scene.materials.in_order])[bodies.material],
                    lower=lower, upper=upper, periodic=domain.get("periodic", (False,) * 3))

@@ -75,6 +75,8 @@ class Cylinder(Region):
         self.start: np.ndarray = np.asarray(start, dtype=float)
         self.end: np.ndarray = np.asarray(end, dtype=float)
         self.radius: float = float(radius)
+        if not self.radius > 0:
+            raise UsageError(f"{self!r}: a radius above 0 expected")
         self._checked()
 
     def contains(self, points: Any) -> np.ndarray:
@@ -209,7 +211,10 @@ class Periodicity:
         return wrapped
 
     def nearest(self, differences: np.ndarray) -> np.ndarray:
-        """The shortest image of each difference (n x 3) of two positions in the domain [m]."""
+        """The shortest image of each difference (n x 3) of two positions in the domain [m].
+
+        In a sheared cell that holds for images shorter than half of the smallest distance of two opposite sides; of longer ones another may be shorter.
+        """
         d = np.array(differences)
         if self.is_sheared:
             return d - self._whole_shift(d, np.rint)

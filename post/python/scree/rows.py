@@ -68,6 +68,12 @@ class Store:
             raise InputError(f"{self.path}: cell: one row of three numbers expected in each column; the file is damaged")
         return Cell(*(v[0] for v in values), periodic=self.scene.settings.get("domain", {}).get("periodic", (True,) * 3))
 
+    @cached_property
+    def moment(self) -> tuple[int, float]:
+        """Step and time [s] of the frame."""
+        with opened(self.path, "scree-frame", 1) as file:
+            return int(file["frame"].attrs["step"]), float(file["frame"].attrs["time"])
+
     @property
     def periodicity(self) -> Periodicity:
         """Periodic axes at the time of the frame."""
@@ -289,8 +295,8 @@ class Bodies(Rows):
 class Contacts(Rows):
     """Contact points of a frame, by (body_a, body_b, feature). Two meshes can touch at several points."""
 
-    body_a = Field("contacts/body_a", "-", "id of the first body, the smaller id; c")
-    body_b = Field("contacts/body_b", "-", "id of the second body or wall; c")
+    body_a = Field("contacts/body_a", "-", "the smaller id of the two; bodies and walls have different ids, and a wall may be either; c")
+    body_b = Field("contacts/body_b", "-", "the larger id of the two; c")
     feature = Field("contacts/feature", "-", "key of the contact point within its pair; c")
     point = Field("contacts/point", "m", "contact point, world, in a periodic domain moved into it; c x 3")
     normal = Field("contacts/normal", "-", "unit vector from b to a; c x 3")

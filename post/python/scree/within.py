@@ -60,7 +60,7 @@ def bodies_within(store: Store, points: np.ndarray, place: str | Region) -> np.n
     if isinstance(place, Region) or place not in names:
         if isinstance(place, str) and ":" not in place:
             raise UsageError(f"within '{place}': no wall of the scene has this name or id; it has {', '.join(scene.walls) or 'none'}; else give a region")
-        return scene.periodicity.contained(region(place), points)
+        return store.periodicity.contained(region(place), points)
     wall = names[place]
     row = int(np.flatnonzero(store.get("walls/id") == wall.id)[0])
     position, quaternion = store.get("walls/position")[row], store.get("walls/orientation")[row]
@@ -69,4 +69,4 @@ def bodies_within(store: Store, points: np.ndarray, place: str | Region) -> np.n
     own = rotate(quaternion * [1, -1, -1, -1], points - position)
     if wall.kind == _PLANE:
         return (own - wall.facts["point"]) @ np.asarray(wall.facts["normal"], dtype=float) > 0
-    return scene.periodicity.contained(_inside(wall), own)
+    return store.periodicity.contained(_inside(wall), own)

@@ -240,7 +240,7 @@ void OuterForces::release(RunState& s, const std::optional<std::vector<std::int6
 }
 
 int OuterForces::add(RunState& s, const GivenFunction& given) {
-  if (given.every < 1) throw UsageError("outer force: every = {}: expected a number of steps >= 1", given.every);
+  if (given.every < 1) throw UsageError("add_force: every = {}: expected a number of steps >= 1", given.every);
   const auto open = std::find_if(functions_.begin(), functions_.end(), [](const Function& f) { return f.is_open; });
   if (open != functions_.end()) return take_place(s, static_cast<std::size_t>(open - functions_.begin()), given);
   Function f;
@@ -273,7 +273,7 @@ int OuterForces::take_place(RunState& s, std::size_t place, const GivenFunction&
 
 void OuterForces::remove(RunState& s, int number) {
   const auto at = std::find_if(functions_.begin(), functions_.end(), [number](const Function& f) { return f.number == number; });
-  if (at == functions_.end()) throw UsageError("outer force: no function has the number {}; it was removed before, or never added", number);
+  if (at == functions_.end()) throw UsageError("remove_force: no function has the number {}; it was removed before, or never added", number);
   functions_.erase(at);
   sum_functions(s);
   change_now(s);

@@ -19,15 +19,15 @@ std::vector<std::int32_t> checked_rows(const RunState& s, const std::vector<Wren
   mpi::on_root(s.comm, [&] {
     for (std::size_t k = 0; k < all.size(); ++k) {
       if (k > 0 && all[k].id == all[k - 1].id)
-        throw UsageError("outer force: body {} is named twice in one call; add up its forces, and name it once", all[k].id);
+        throw UsageError("set_wrench: body {} is named twice in one call; add up its forces, and name it once", all[k].id);
       if (!is_finite(all[k].wrench.force) || !is_finite(all[k].wrench.torque))
-        throw UsageError("outer force: body {} gets a force or torque that is not a finite number; check what it is computed from",
+        throw UsageError("set_wrench: body {} gets a force or torque that is not a finite number; check what it is computed from",
                          all[k].id);
       if (found.kinds[k] == NamedBodies::unknown)
-        throw UsageError("outer force: no body of the run has the id {}; it is a wall, has left, or was never there: take ids from bodies",
+        throw UsageError("set_wrench: no body of the run has the id {}; it is a wall, has left, or was never there: take ids from bodies",
                          all[k].id);
       if (found.kinds[k] == NamedBodies::is_fixed)
-        throw UsageError("outer force: body {} is fixed, and no force moves it; leave it out", all[k].id);
+        throw UsageError("set_wrench: body {} is fixed, and no force moves it; leave it out", all[k].id);
     }
   });
   return std::move(found.row);
