@@ -273,7 +273,8 @@ int OuterForces::take_place(RunState& s, std::size_t place, const GivenFunction&
 
 void OuterForces::remove(RunState& s, int number) {
   const auto at = std::find_if(functions_.begin(), functions_.end(), [number](const Function& f) { return f.number == number; });
-  if (at == functions_.end()) throw UsageError("remove_force: no function has the number {}; it was removed before, or never added", number);
+  if (at == functions_.end())
+    throw UsageError("remove_force: no function has the number {}; it was removed before, or never added", number);
   functions_.erase(at);
   sum_functions(s);
   change_now(s);
