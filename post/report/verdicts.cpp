@@ -96,6 +96,32 @@ std::optional<Verdict> judge_deep_contacts(const Run& run) {
   return v;
 }
 
+/// Largest overlap over its maximum of contacts that have no mesh, in some frames; nothing where frames keep no contacts.
+std::optional<double> largest_of_balls(const Run& run) {
+  constexpr std::size_t kFrames = 40;  // evenly, with the last
+  const Scene& scene = run.scene;
+  if (!scene.settings.output_contacts || run.frames.empty()) return std::nullopt;
+  std::set<std::int64_t> with_mesh;
+  for (const Wall& wall : scene.walls) {
+    if (wall.kind == WallKind::mesh) with_mesh.insert(wall.id);
+  }
+  double found = 0;
+  const std::size_t every = run.frames.size() / kFrames + 1;
+  for (std::size_t back = 0; back < run.frames.size(); back += every) {
+    const Frame frame = load_frame(run, run.frames.size() - 1 - back);
+    std::set<std::int64_t> meshes = with_mesh;
+    for (std::size_t i = 0; i < frame.bodies.size(); ++i) {
+      if (scene.shapes[static_cast<std::size_t>(frame.bodies.shape[i])].kind != ShapeKind::sphere) meshes.insert(frame.bodies.id[i]);
+    }
+    const FrameContacts& c = frame.contacts;
+    for (std::size_t i = 0; i < c.size(); ++i) {
+      if (c.margin[i] > 0 && !meshes.contains(c.body_a[i]) && !meshes.contains(c.body_b[i]))
+        found = std::max(found, c.overlap[i] / c.margin[i]);
+    }
+  }
+  return found;
+}
+
 Verdict judge_depth(const Run& run) {
   if (const std::optional<Verdict> deep = judge_deep_contacts(run)) return *deep;
   Verdict v{"Contact overlap", Judgement::information, "", ""};
@@ -117,8 +143,11 @@ Verdict judge_depth(const Run& run) {
     return v;
   }
   if (run.scene.balls_touch_beside_meshes()) {
-    v.answer = fmt::format("at most {:.3f} of its maximum", ratio);
-    v.judgement = ratio < kBallsDoubtful ? Judgement::good : (ratio < 1 ? Judgement::doubtful : Judgement::bad);
+    const std::optional<double> of_balls = ratio < kBallsDoubtful ? std::nullopt : largest_of_balls(run);
+    const double doubtful = of_balls && *of_balls < kBallsDoubtful ? kOverlapDoubtful : kBallsDoubtful;
+    v.answer = fmt::format("at most {:.3f} of its maximum{}", ratio,
+                           of_balls ? fmt::format("; of balls {:.3f} in the frames", *of_balls) : std::string());
+    v.judgement = ratio < doubtful ? Judgement::good : (ratio < 1 ? Judgement::doubtful : Judgement::bad);
     v.evidence = fmt::format(
         "Overlap over its maximum, the largest of all contacts and steps. The maximum is the sum of both margins where there are meshes, "
         "of "
