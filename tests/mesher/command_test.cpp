@@ -581,13 +581,14 @@ TEST_F(Mesher, describe_tells_shapes_of_one_name_apart_by_their_files) {
 
 TEST_F(Mesher, describe_says_why_no_file_holds_a_solid) {
   folder.write("comma.obj", "v 0,5 0 0\n");
-  ASSERT_EQ(run("generate sphere --radius 5mm -o ball.shape.h5").code, 0);
-  const ToolRun one = run("describe comma.obj"), both = run("describe comma.obj ball.shape.h5");
+  folder.write("word.obj", "v 0 zero 0\n");
+  const ToolRun one = run("describe comma.obj"), both = run("describe comma.obj word.obj");
   EXPECT_EQ(one.code, 3);
   EXPECT_SAYS(one.errors, "the file holds no solid: comma.obj");
   EXPECT_SAYS(one.errors, "line 1: '0,5' is no number");
   EXPECT_SAYS(both.errors, "the 2 files hold no solid");
   EXPECT_SAYS(both.errors, "line 1: '0,5' is no number");
+  EXPECT_SAYS(both.errors, "line 1: 'zero' is no number");
 }
 
 TEST_F(Mesher, a_number_given_as_a_unit_is_answered_with_the_option_for_numbers) {

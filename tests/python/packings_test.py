@@ -131,7 +131,8 @@ class PackingsTest(InFolder):
         self.assertEqual(repr(p), "<scree.Packing: 25 spheres, radius 0.004 m to 0.004 m, 2 kinds>")
         lower, upper = p.box
         self.assertTrue(np.all(p.position - p.radius[:, None] >= lower) and np.all(p.position + p.radius[:, None] <= upper))
-        self.assertEqual((p.lower, p.upper, p.periodic, p.step, p.time), (None, None, (False,) * 3, 0, 0))
+        frame = self.run_.frames[-1]
+        self.assertEqual((p.lower, p.upper, p.periodic, p.step, p.time), (None, None, (False,) * 3, frame.step, frame.time))
         self.assertEqual(repr(scree.Packing([], [])), "<scree.Packing: no spheres>")
 
     def test_every_format_gives_the_same_numbers_again(self):
