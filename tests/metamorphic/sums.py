@@ -183,14 +183,14 @@ def energy_balance(trial):
         apart = (elastic == 0) & (tangential == 0)   # no contact: there nothing swings
         for values, swing, where in ((dissipated, swings_of_springs(run), "any two rows"), (dissipated[apart], 0.0, "rows without contact")):
             fall = -numpy.diff(values).min(initial=0)
-            require(fall <= rounding + kReturned * scale + swing, f"dissipated energy falls by {fall:.3g} J between {where}, {fall / scale:.3g} of "
+            require(fall <= rounding + kReturned * scale + swing, f"dissipated energy falls by {fall:.3g} J between {where}, {fall / max(scale, 1e-300):.3g} of "
                     f"what is in motion, at row {numpy.argmin(numpy.diff(values))}")
     coarse = trial.case.value("time", "steps_per_contact", 30) < 20 or trial.case.value("time", "step")
     exact = trial.case.value("motion", "integrator", "kdk-dlm") == "kdk-dlm" and trial.case.value("contact", "gather", "potential") == "potential"
     if exact and not coarse and trial.case.value("time", "step_control", "fixed") == "fixed":
         apart = (elastic + tangential) == 0   # what is off within a contact may come back as it ends
         worst = numpy.abs(error[apart]).max(initial=0)
-        require(worst <= 0.05 * scale + rounding, f"energy is off by {worst:.3g} J, {worst / scale:.3g} of what is in motion")
+        require(worst <= 0.05 * scale + rounding, f"energy is off by {worst:.3g} J, {worst / max(scale, 1e-300):.3g} of what is in motion")
 
 
 def energy_made(run):
