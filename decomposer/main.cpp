@@ -48,7 +48,7 @@ int run(int argc, char** argv) {
   pack_command->add_option("CASE", pack.case_path, "case.toml")->required();
   pack_command->add_option("-o,--output", pack.output, "NAME.scene.h5")->required();
   add_changes(pack_command);
-  pack_command->add_option("--ranks", pack.ranks, "Divide the scene among this number of solver ranks")->check(CLI::PositiveNumber);
+  pack_command->add_option("--ranks", pack.ranks, "Divide the scene among this number of solver ranks")->check(CLI::Range(1, 1000000000));
 
   pack_command->add_option("--preview", pack.preview, "With --ranks: write NAME.vtp, the parts for ParaView, and NAME.csv, their cost")
       ->needs("--ranks");
@@ -63,7 +63,7 @@ int run(int argc, char** argv) {
   partition_command->add_option("SCENE", partition.scene_path, "NAME.scene.h5")->required();
   partition_command->add_option("-o,--output", partition.output, "NAME.scene.h5")->required();
   partition_command->add_option("--preview", partition.preview, "Write NAME.vtp, the parts for ParaView, and NAME.csv, their cost");
-  partition_command->add_option("--ranks", partition.ranks, "Ranks of the solver")->required()->check(CLI::PositiveNumber);
+  partition_command->add_option("--ranks", partition.ranks, "Ranks of the solver")->required()->check(CLI::Range(1, 1000000000));
 
   const auto add_cut = [](CLI::App* command_line, std::string& name) {
     command_line->add_option("--cut", name, "rcb (default), rib, hsfc or body")->check(CLI::IsMember(scree::cut_method_names()));
@@ -79,7 +79,7 @@ int run(int argc, char** argv) {
   compare_command->add_option("--parts", compare.parts, "Numbers of parts, for instance 16,64,256")
       ->required()
       ->delimiter(',')
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1, 1000000000));
   compare_command->add_option("--cuts", compare.cuts, "Ways to cut (default all)")
       ->delimiter(',')
       ->check(CLI::IsMember(scree::cut_method_names()));
@@ -93,7 +93,7 @@ int run(int argc, char** argv) {
   tile_command->add_option("--copies", tile.copies, "Copies along x, y and z, for instance 4,4,1")
       ->required()
       ->delimiter(',')
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1, 1000000000));
   scree::add_quantity(*tile_command, "--duration", tile.duration, scree::Dimension::time,
                       "Of the new scene, for instance \"2 ms\" (default: as the old one)");
   tile_command->add_option("-o,--output", tile.output, "NAME.scene.h5")->required();

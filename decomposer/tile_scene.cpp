@@ -1,10 +1,17 @@
 #include "decomposer/tile_scene.hpp"
 
+#include <algorithm>
+
 #include "core/base/error.hpp"
 
 namespace scree {
 
 Scene tile_scene(const Scene& scene, const FrameBodies& frame, const std::array<int, 3>& copies) {
+  constexpr double kMostBodies = 1e9;  // 2 TB in memory
+  const double bodies = static_cast<double>(std::max(frame.size(), scene.bodies.size())) * copies[0] * copies[1] * copies[2];
+  if (bodies > kMostBodies)
+    throw UsageError("--copies {},{},{}: {:.3g} bodies would be made, at most {:g} can be", copies[0], copies[1], copies[2], bodies,
+                     kMostBodies);
   if (scene.walls.size() != 1 || scene.walls[0].kind != WallKind::box_inside) {
     throw UsageError("tile: the scene has {} walls; expected one, box_inside, whose inside is the tile", scene.walls.size());
   }

@@ -126,7 +126,7 @@ Command read_command(const mpi::Communicator& comm, int argc, char** argv) {
   CLI::App* verify = app->add_subcommand("verify", "Computes steps of a run again and says whether they are the same, or where not.");
   verify->fallthrough();
   verify->add_option("run", c.again.run_folder, "run folder")->required();
-  verify->add_option("--steps", c.again.steps, "how many (default: up to the newest checkpoint)")->check(CLI::PositiveNumber);
+  verify->add_option("--steps", c.again.steps, "how many (default: up to the newest checkpoint)")->check(CLI::Range(1, 1000000000));
   verify->add_option("--from", c.again.from, "checkpoint, or 'start' (default: the older checkpoint that is kept)");
   mpi::on_root(comm, [&] { c.goes_on = parse_command_line(*app, argc, argv); });
   int goes_on = c.goes_on ? 1 : 0;

@@ -84,10 +84,14 @@ class Compactor {
         continue;
       }
       throw InputError(
-          "{}: jammed at a solid fraction of {:.4f} instead of the requested {:.4f} ({}). Request less, give the bodies a wider range of "
-          "sizes, or reduce the margin ({}, which bodies keep from each other and from the sides)",
+          "{}: jammed at a solid fraction of {:.4f} instead of the requested {:.4f} ({}). Request less, or give the bodies a wider range "
+          "of "
+          "sizes{}",
           case_.populations[population_].where, jammed_at_ * jammed_at_ * jammed_at_ * volume_ / region.volume, volume_ / region.volume,
-          why_, format_quantity(case_margin(), Dimension::length));
+          why_.substr(0, why_.find(';')),
+          case_.margin_given ? fmt::format(", or reduce the margin ({}, which bodies keep from each other and from the sides)",
+                                           format_quantity(case_margin(), Dimension::length))
+                             : "");
     }
     if (worst_ > 0) {
       report_.notices.push_back(fmt::format("compact: the bodies of {} start in contact, with overlaps of at most {:.2f} of the margins",

@@ -53,9 +53,10 @@ void Packer::place_on_lattice(std::size_t population, Placements& placements) {
     factor = factor > 1 ? std::max(1.0, factor * kNarrower) : 0.0;
     if (factor == 0) break;
     const std::array<std::int64_t, 3> cells = cells_of(factor);
-    if (cells == tried || sites_of(cells) < static_cast<double>(members.size())) continue;
+    const bool is_narrowest = factor == 1;
+    if ((cells == tried && !is_narrowest) || sites_of(cells) < static_cast<double>(members.size())) continue;
     tried = cells;
-    if (fill_lattice(population, members, room, cells, placements)) {
+    if (fill_lattice(population, members, room, cells, is_narrowest, placements)) {
       for (const std::size_t i : members) keep(placements.body[i]);
       return;
     }
@@ -68,7 +69,7 @@ void Packer::place_on_lattice(std::size_t population, Placements& placements) {
 }
 
 bool Packer::fill_lattice(std::size_t population, const std::vector<std::size_t>& members, const Box3& box,
-                          const std::array<std::int64_t, 3>& cells, Placements& placements) {
+                          const std::array<std::int64_t, 3>& cells, bool takes_all, Placements& placements) {
   const Region& region = parts_.regions[population];
   Vec3 pitch;
   for (int k = 0; k < 3; ++k) pitch[k] = box.extent()[k] / static_cast<double>(cells[static_cast<std::size_t>(k)]);
@@ -76,29 +77,40 @@ bool Packer::fill_lattice(std::size_t population, const std::vector<std::size_t>
   const double sites = static_cast<double>(cells[0]) * static_cast<double>(cells[1]) * static_cast<double>(cells[2]);
   for (const std::size_t i : members) placements.is_placed[i] = 0;
   std::size_t next = 0;
-  double seen = 0;
-  for (std::int64_t z = 0; z < cells[2]; ++z) {
-    for (std::int64_t y = 0; y < cells[1]; ++y) {
-      for (std::int64_t x = 0; x < cells[0] && next < members.size(); ++x) {
-        // spread over all cells: one is used when the bodies placed lag behind the cells seen
-        seen += 1;
-        if (static_cast<double>(next) >= std::ceil(seen * static_cast<double>(members.size()) / sites)) continue;
-        const Draw& d = parts_.draws[members[next]];
-        PlacedBody& body = placements.body[members[next]];
-        const RandomNumbers random(case_.settings.seed, d.id, 2);
-        body.position = {};
-        const Box3 own = body.world_box();
-        const Vec3 index{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
-        Vec3 place;
-        for (int k = 0; k < 3; ++k) {
-          const double free = pitch[k] - own.extent()[k] - gap();
-          const double within = 0.5 + case_.populations[population].jitter * (random.uniform(static_cast<std::uint64_t>(k)) - 0.5);
-          place[k] = box.lower[k] + index[k] * pitch[k] - own.lower[k] + within * free;
+  // spread over all cells: one is used when the bodies placed lag behind the cells seen; then, if all cells count, those that were passed
+  // over
+  std::vector<bool> passed_over;
+  if (takes_all) passed_over.resize(static_cast<std::size_t>(sites));
+  for (const bool again : {false, true}) {
+    if (again && !takes_all) break;
+    double seen = 0;
+    std::size_t cell = 0;
+    for (std::int64_t z = 0; z < cells[2]; ++z) {
+      for (std::int64_t y = 0; y < cells[1]; ++y) {
+        for (std::int64_t x = 0; x < cells[0] && next < members.size(); ++x, ++cell) {
+          seen += 1;
+          if (again && !passed_over[cell]) continue;
+          if (!again && static_cast<double>(next) >= std::ceil(seen * static_cast<double>(members.size()) / sites)) {
+            if (takes_all) passed_over[cell] = true;
+            continue;
+          }
+          const Draw& d = parts_.draws[members[next]];
+          PlacedBody& body = placements.body[members[next]];
+          const RandomNumbers random(case_.settings.seed, d.id, 2);
+          body.position = {};
+          const Box3 own = body.world_box();
+          const Vec3 index{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
+          Vec3 place;
+          for (int k = 0; k < 3; ++k) {
+            const double free = pitch[k] - own.extent()[k] - gap();
+            const double within = 0.5 + case_.populations[population].jitter * (random.uniform(static_cast<std::uint64_t>(k)) - 0.5);
+            place[k] = box.lower[k] + index[k] * pitch[k] - own.lower[k] + within * free;
+          }
+          body.position = place;
+          if (!is_free(body, region)) continue;
+          placements.is_placed[members[next++]] = 1;
+          work.update(static_cast<double>(next));
         }
-        body.position = place;
-        if (!is_free(body, region)) continue;
-        placements.is_placed[members[next++]] = 1;
-        work.update(static_cast<double>(next));
       }
     }
   }

@@ -67,7 +67,7 @@ class Packer {
   [[noreturn]] void fail(const Draw& d, std::uint64_t attempts, const Placements& placements);
   void place_on_lattice(std::size_t population, Placements& placements);  // lattice.cpp
   bool fill_lattice(std::size_t population, const std::vector<std::size_t>& members, const Box3& box,
-                    const std::array<std::int64_t, 3>& cells, Placements& placements);
+                    const std::array<std::int64_t, 3>& cells, bool takes_all, Placements& placements);
 
   const Case& case_;
   const SceneParts& parts_;

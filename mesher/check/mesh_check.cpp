@@ -159,15 +159,29 @@ std::vector<std::int32_t> read_topology(const TriangleMesh& mesh, MeshCheck& che
     c.volume += dot(mesh.corner(t, 0) - origin, cross(mesh.corner(t, 1) - origin, mesh.corner(t, 2) - origin)) / 6;
   }
 
-  // nesting: how many other closed components wind around a vertex of this one
+  // Nesting: how many other closed components wind around this one. All of it: of two parts that overlap, one vertex may lie within the
+  // other. So its box is within that of the other, and vertices all over it are looked at.
   if (static_cast<double>(count) * mesh.triangle_count() > kNestingWork) check.nesting_was_checked = false;
   std::vector<std::vector<std::int32_t>> members(check.components.size());
   for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) members[at(component[at(t)])].push_back(t);
+  std::vector<Box3> boxes(members.size());
+  for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
+    for (int k = 0; k < 3; ++k) boxes[at(component[at(t)])].add(mesh.corner(t, k));
+  }
+  constexpr std::size_t kLooks = 100;
+  const auto lies_within = [&](std::size_t c, std::size_t other) {
+    for (int k = 0; k < 3; ++k) {
+      if (boxes[c].lower[k] < boxes[other].lower[k] || boxes[c].upper[k] > boxes[other].upper[k]) return false;
+    }
+    const std::size_t corners = 3 * members[c].size(), every = corners / kLooks + 1;
+    for (std::size_t i = 0; i < corners; i += every) {
+      if (!(std::abs(winding_number(mesh, members[other], mesh.corner(members[c][i / 3], static_cast<int>(i % 3)))) > 0.5)) return false;
+    }
+    return true;
+  };
   for (std::size_t c = 0; c < members.size() && members.size() > 1 && check.nesting_was_checked; ++c) {
-    const Vec3& inside = mesh.corner(members[c].front(), 0);
     for (std::size_t other = 0; other < members.size(); ++other) {
-      if (other == c || !check.components[other].is_closed) continue;
-      if (std::abs(winding_number(mesh, members[other], inside)) > 0.5) ++check.components[c].depth;
+      if (other != c && check.components[other].is_closed && lies_within(c, other)) ++check.components[c].depth;
     }
   }
   for (const MeshComponent& c : check.components) {

@@ -51,7 +51,8 @@ MesherCommand repair_line(CLI::App& app) {
   line->add_option("--weld", options->weld, "Weld all vertices nearer than this part of the extent, for instance 1e-4");
   line->add_option("--largest-fill", options->largest_fill, "Largest share of the area for all filled holes together (default 0.2)");
   line->add_flag("--largest", options->keep_largest, "Keep only the component of largest volume");
-  line->add_option("--component", options->component, "Keep only this component, counted as check lists them");
+  line->add_option("--component", options->component, "Keep only this component, counted as check lists them")
+      ->check(CLI::Range(1, 1000000000));
   line->add_flag("--separate", options->separate, "Make a separate shape from each component");
   return {line, [options](const Words& words) { return repair_command(*options, words); }};
 }

@@ -262,10 +262,17 @@ void RunSteps::abandon(const std::string& reason) {
   write_outcome({"interrupted", "ended by an error: " + reason, static_cast<int>(ExitCode::usage)});
 }
 
+/// Whether no inlet has brought a body.
+bool RunSteps::nothing_came() const {
+  const std::vector<InletState>& inlets = simulation_.state().totals.inlets;
+  return std::all_of(inlets.begin(), inlets.end(), [](const InletState& inlet) { return inlet.count == 0; });
+}
+
 void RunSteps::finish() {
   const std::string reason = is_empty_ && body_count(simulation_.state()) > 0                   ? "no body is left that is free to move"
                              : body_count(simulation_.state()) > 0                              ? end_of_effect_
                              : loaded_.scene.bodies.size() == 0 && loaded_.scene.inlets.empty() ? "the scene has no body"
+                             : loaded_.scene.bodies.size() == 0 && nothing_came()               ? "no inlet brought a body"
                              : loaded_.scene.outlets.empty()                                    ? "no body is left: all left the domain"
                                                                                                 : "no body is left: all left the run";
   write_outcome({"completed", reason, 0});

@@ -40,6 +40,7 @@ class RunSteps {
   int step();
   /// The outcome of a run that is over.
   void finish();
+  bool nothing_came() const;
   /// The same of one that ends here: it can be continued.
   void leave();
   /// The same of one that an error ended which is not of the simulation: the state means nothing, the last checkpoint does.

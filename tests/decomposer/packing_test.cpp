@@ -482,6 +482,13 @@ TEST_F(Packing, a_lattice_fills_a_box_evenly_and_keeps_all_gaps) {
   EXPECT_EQ(pack(kHead + cubes + "64\n").scene.bodies.size(), 64u);
   const std::string says = failure(kHead + cubes + "65\n");
   EXPECT_NE(says.find("the region has 64"), std::string::npos) << says;
+  // a lid over the two lower layers leaves 32 of these places, wherever among the others they lie
+  for (const char* lid : {"point = [0, 0, 0.26], normal = [0, 0, -1]", "point = [0, 0, 0.24], normal = [0, 0, 1]"}) {
+    const std::string wall = fmt::format("\n[[walls]]\nshape = {{ plane = {{ {} }} }}\nmaterial = \"stone\"\n", lid);
+    EXPECT_EQ(pack(kHead + cubes + "32" + wall).scene.bodies.size(), 32u) << lid;
+    const std::string more = failure(kHead + cubes + "33" + wall);
+    EXPECT_NE(more.find("of which 32 were free"), std::string::npos) << more;
+  }
 }
 
 TEST_F(Packing, impossible_requests_are_refused_before_work_starts) {

@@ -278,6 +278,22 @@ TEST(MeshRepair, turning_outward_makes_an_inner_box_a_cavity) {
   EXPECT_NEAR(check_mesh(mesh).mass.volume, 7, 1e-13);
 }
 
+// One vertex of a part that overlaps another may lie within it: that makes no cavity of the part.
+TEST(MeshRepair, turning_outward_leaves_boxes_that_overlap_outward_whichever_corner_lies_within) {
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto side = [&](int axis) { return (corner >> axis & 1) != 0 ? 1.0 : -1.0; };
+    for (const double size : {2.0, 0.5}) {  // the second with its vertices within the box of the first
+      const Vec3 centre = (size > 1 ? 0.7 : 0.9) * Vec3{side(0), side(1), side(2)};
+      TriangleMesh mesh = both(box({2, 2, 2}), box({size, size, size}, centre));
+      const MeshCheck check = check_mesh(mesh);
+      EXPECT_EQ(check.inverted_components, 0) << corner;
+      EXPECT_EQ(check.components[0].depth + check.components[1].depth, 0) << corner;
+      EXPECT_EQ(check.crossing_components, 1) << corner;
+      EXPECT_EQ(turn_outward(mesh), 0) << corner;
+    }
+  }
+}
+
 TEST(MeshRepair, a_moebius_strip_has_no_outside) {
   TriangleMesh strip;
   constexpr int n = 12;
