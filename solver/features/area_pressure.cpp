@@ -234,7 +234,14 @@ void area_features(const PairBody& a, const PairBody& b, double margin, double m
     // face of A that looks away, beside the edge on which A stands, would press on the far side of the surface.
     if (b.shape->kind == ShapeKind::surface && dot(normal, triangle_distance(pa, pb).normal) < 0) normal = -normal;
     FacingPair pair{candidate.edge_a, candidate.edge_b, {}};
+    const std::size_t points = contact.points.size();
     add_layer(pa, {DualVec(pb[0]), DualVec(normal), pb}, margin, pair.sum, contact.points);
+    // The backs of two thin bodies face each other as well, with both bodies between them: deep in each other by their planes, and yet
+    // apart.
+    if (pair.sum.patch.largest_overlap > margin && !(triangle_distance(pa, pb).distance < margin)) {
+      contact.points.resize(points);
+      continue;
+    }
     if (pair.sum.patch.force > 0) pairs.push_back(pair);
   }
   const auto add_patches_of = [&](std::int64_t kind, double share, std::int32_t FacingPair::*triangle) {
