@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <set>
@@ -187,9 +188,9 @@ CommandResult pack_command(const PackOptions& options, const std::vector<std::st
   result.notices = report.notices;
   result.warnings = report.case_warnings;
   const std::set<std::int32_t> shapes(scene.bodies.shape.begin(), scene.bodies.shape.end());  // walls have shapes as well
-  const auto number = [](std::size_t n, const char* one, const char* many) { return counted(static_cast<std::int64_t>(n), one, many); };
-  result.output = fmt::format("{}: {} of {}, {}, {} draws\n", options.output, number(scene.bodies.size(), "body", "bodies"),
-                              number(shapes.size(), "shape", "shapes"), number(scene.walls.size(), "wall", "walls"), report.attempts);
+  result.output =
+      fmt::format("{}: {} of {}, {}, {} draws\n", options.output, counted(std::ssize(scene.bodies), "body", "bodies"),
+                  counted(std::ssize(shapes), "shape", "shapes"), counted(std::ssize(scene.walls), "wall", "walls"), report.attempts);
   for (std::size_t k = 0; k < report.solid_fraction.size(); ++k) {
     std::size_t count = 0;
     for (std::int32_t p : scene.bodies.population) count += p == static_cast<std::int32_t>(k) ? 1 : 0;

@@ -98,10 +98,8 @@ def misses(name, case, changed):
 def walls_of(case):
     """Names of the walls of a case file; None where it cannot be read: the decomposer says why."""
     try:
-        with open(case, "rb") as file:
-            walls = tomllib.load(file).get("walls", [])
-        return [wall.get("name", "") for wall in walls]
-    except (OSError, ValueError, AttributeError):
+        return [wall.get("name", "") for wall in table_of(case).get("walls", [])]
+    except AttributeError:   # no table, or no tables in it
         return None
 
 

@@ -321,9 +321,9 @@ void Group::read_raw_rows(const std::string& name, void* data, std::int64_t firs
 // a file whose last flush failed, keeps it open inside and crashes when it ends (a tmpfs of 8 kB shows it).
 NewFile::NewFile(const std::string& path) : temporary_(path) {
   silence_library();
+  set_opened("");  // no file that was read is to blame for a crash as this one is written
   // made now, so that a folder that is missing or not writable is told before the work
   const int probe = open(temporary_.name().c_str(), O_CREAT | O_WRONLY | O_TRUNC | O_CLOEXEC, 0666);
-  set_opened("");  // no file that was read is to blame for a crash as this one is written
   if (probe < 0) throw SystemError("cannot create {}: {}; choose a folder that exists and is writable", path, std::strerror(errno));
   close(probe);
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, path);

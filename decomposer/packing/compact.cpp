@@ -84,9 +84,8 @@ class Compactor {
         continue;
       }
       throw InputError(
-          "{}: jammed at a solid fraction of {:.4f} instead of the requested {:.4f} ({}). Request less, or give the bodies a wider range "
-          "of "
-          "sizes{}",
+          "{}: jammed at a solid fraction of {:.4f} instead of the requested {:.4f} ({}). "
+          "Request less, or give the bodies a wider range of sizes{}",
           case_.populations[population_].where, jammed_at_ * jammed_at_ * jammed_at_ * volume_ / region.volume, volume_ / region.volume,
           why_.substr(0, why_.find(';')),
           case_.margin_given ? fmt::format(", or reduce the margin ({}, which bodies keep from each other and from the sides)",

@@ -77,39 +77,40 @@ bool Packer::fill_lattice(std::size_t population, const std::vector<std::size_t>
   const double sites = static_cast<double>(cells[0]) * static_cast<double>(cells[1]) * static_cast<double>(cells[2]);
   for (const std::size_t i : members) placements.is_placed[i] = 0;
   std::size_t next = 0;
-  // spread over all cells: one is used when the bodies placed lag behind the cells seen; then, if all cells count, those that were passed
-  // over
-  std::vector<bool> passed_over;
-  if (takes_all) passed_over.resize(static_cast<std::size_t>(sites));
-  for (const bool again : {false, true}) {
-    if (again && !takes_all) break;
+  const auto put_into = [&](const Vec3& index) {
+    const Draw& d = parts_.draws[members[next]];
+    PlacedBody& body = placements.body[members[next]];
+    const RandomNumbers random(case_.settings.seed, d.id, 2);
+    body.position = {};
+    const Box3 own = body.world_box();
+    Vec3 place;
+    for (int k = 0; k < 3; ++k) {
+      const double free = pitch[k] - own.extent()[k] - gap();
+      const double within = 0.5 + case_.populations[population].jitter * (random.uniform(static_cast<std::uint64_t>(k)) - 0.5);
+      place[k] = box.lower[k] + index[k] * pitch[k] - own.lower[k] + within * free;
+    }
+    body.position = place;
+    if (!is_free(body, region)) return false;
+    placements.is_placed[members[next++]] = 1;
+    work.update(static_cast<double>(next));
+    return true;
+  };
+  // First spread over all cells: one is used when the bodies placed lag behind the cells seen. Then, if all cells count, the others.
+  std::vector<double> used;  // numbers of cells, ascending: as many as bodies, however many cells there are
+  for (const bool takes_others : {false, true}) {
+    if (takes_others && !takes_all) break;
+    auto next_used = used.begin();
     double seen = 0;
-    std::size_t cell = 0;
     for (std::int64_t z = 0; z < cells[2]; ++z) {
       for (std::int64_t y = 0; y < cells[1]; ++y) {
-        for (std::int64_t x = 0; x < cells[0] && next < members.size(); ++x, ++cell) {
+        for (std::int64_t x = 0; x < cells[0] && next < members.size(); ++x) {
           seen += 1;
-          if (again && !passed_over[cell]) continue;
-          if (!again && static_cast<double>(next) >= std::ceil(seen * static_cast<double>(members.size()) / sites)) {
-            if (takes_all) passed_over[cell] = true;
+          if (takes_others && next_used != used.end() && *next_used == seen) {
+            ++next_used;
             continue;
           }
-          const Draw& d = parts_.draws[members[next]];
-          PlacedBody& body = placements.body[members[next]];
-          const RandomNumbers random(case_.settings.seed, d.id, 2);
-          body.position = {};
-          const Box3 own = body.world_box();
-          const Vec3 index{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
-          Vec3 place;
-          for (int k = 0; k < 3; ++k) {
-            const double free = pitch[k] - own.extent()[k] - gap();
-            const double within = 0.5 + case_.populations[population].jitter * (random.uniform(static_cast<std::uint64_t>(k)) - 0.5);
-            place[k] = box.lower[k] + index[k] * pitch[k] - own.lower[k] + within * free;
-          }
-          body.position = place;
-          if (!is_free(body, region)) continue;
-          placements.is_placed[members[next++]] = 1;
-          work.update(static_cast<double>(next));
+          if (!takes_others && static_cast<double>(next) >= std::ceil(seen * static_cast<double>(members.size()) / sites)) continue;
+          if (put_into({static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)}) && !takes_others) used.push_back(seen);
         }
       }
     }

@@ -150,10 +150,8 @@ Verdict judge_depth(const Run& run) {
     v.judgement = ratio < doubtful ? Judgement::good : (ratio < 1 ? Judgement::doubtful : Judgement::bad);
     v.evidence = fmt::format(
         "Overlap over its maximum, the largest of all contacts and steps. The maximum is the sum of both margins where there are meshes, "
-        "of "
-        "which {:g} are usual, and the radius of the smaller ball of two balls, or of a ball on a wall, of which {:g} are much. The "
-        "columns "
-        "depth and margin of the contacts in the frames say which contacts are deep.",
+        "of which {:g} are usual, and the radius of the smaller ball of two balls, or of a ball on a wall, of which {:g} are much. "
+        "The columns depth and margin of the contacts in the frames say which contacts are deep.",
         kOverlapDoubtful, kBallsDoubtful);
     return v;
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
 
 #include "core/base/counted.hpp"
@@ -59,10 +60,9 @@ class Plan {
 
   std::string text() {
     const std::set<std::int32_t> shapes(source_.bodies.shape.begin(), source_.bodies.shape.end());  // walls have shapes as well
-    const auto number = [](std::size_t n, const char* one, const char* many) { return counted(static_cast<std::int64_t>(n), one, many); };
     text_ = fmt::format("Plan of \"{}\": {} bodies of {} ({} triangles), {}, {} ranks x {} threads\n", settings_.title, count_.bodies,
-                        number(shapes.size(), "shape", "shapes"), count_.triangles, number(source_.walls.size(), "wall", "walls"),
-                        comm_.size(), omp_get_max_threads());
+                        counted(std::ssize(shapes), "shape", "shapes"), count_.triangles,
+                        counted(std::ssize(source_.walls), "wall", "walls"), comm_.size(), omp_get_max_threads());
     add_start();
     add_contact();
     add_motion();
