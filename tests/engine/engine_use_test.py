@@ -246,7 +246,9 @@ def mistakes_are_told_with_a_cure():
     assert "closed" in repr(twin) and "step 0 at 0 s" in repr(state) and (state.time, state.steps) == (0, 0)
     engine.close()
     there = os.environ["SCREE_BIN"]
-    for name, value, text in (("SCREE_BIN", os.getcwd(), "set SCREE_ENGINE_LIBRARY to its path"), ("SCREE_ENGINE_LIBRARY", "lost.so", "no such file")):
+    away = os.path.join(os.getcwd(), "away", "bin")  # a folder with no library near it: the library is also searched for in ../lib
+    os.makedirs(away)
+    for name, value, text in (("SCREE_BIN", away, "set SCREE_ENGINE_LIBRARY to its path"), ("SCREE_ENGINE_LIBRARY", "lost.so", "no such file")):
         result = subprocess.run([sys.executable, "-c", "import scree; scree.Engine('balls.scene.h5')"], env=dict(ENV, SCREE_BIN=there) | {name: value}, capture_output=True, text=True)
         assert "UsageError: " in result.stderr and text in result.stderr, result.stderr
 

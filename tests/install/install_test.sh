@@ -61,7 +61,7 @@ outside/step_in_cpp fall.scene.h5 >cpp.txt
 grep -q "^$hash " c.txt || fail "the engine in C: $(cat c.txt); the solver has $hash"
 grep -q "^101 calls, as it should fall, held back$" c.txt || fail "a force in C: $(cat c.txt)"
 grep -q "^$hash " cpp.txt || fail "the engine in C++: $(cat cpp.txt); the solver has $hash"
-grep -q "^2 outer force: no body of the run has the id 987654" cpp.txt || fail "an unknown body in C++: $(cat cpp.txt)"
+grep -q "^2 set_wrench: no body of the run has the id 987654" cpp.txt || fail "an unknown body in C++: $(cat cpp.txt)"
 grep -q "^my own mistake$" cpp.txt || fail "an exception in C++: $(cat cpp.txt)"
 if command -v gfortran >/dev/null; then
   library=$(dirname "$(find prefix -name libscree_engine.so)")
