@@ -7,6 +7,7 @@
 
 #include "core/base/error.hpp"
 #include "core/distance/mesh_descent.hpp"
+#include "core/distance/plain_distance.hpp"
 
 namespace scree {
 
@@ -19,6 +20,7 @@ struct MeshDistanceScratch {
     double least;
   };
   std::vector<Kept> kept;
+  std::vector<TrianglePair> rivals;  // of reproducible_mesh_distance: pairs that may be nearest
   // triangles on their way to the exact kernel
   std::int64_t batch_count = 0;
   std::array<TrianglePair, kBatchPairs> batch_pair;
@@ -180,10 +182,9 @@ void descend_to_leaves(const Bvh& a, const Bvh& b, const DescentFrame& frame, De
   }
 }
 
-}  // namespace
-
-double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in_a, double upper_bound, MeshDistanceScratch& s,
-                     TrianglePair* nearest) {
+/// The search of mesh_distance. Where `rivals` is not null, the pairs that may be nearest, rounding allowed for, are added to it.
+double find_nearest(const MeshView& a, const MeshView& b, const Placement& b_in_a, double upper_bound, MeshDistanceScratch& s,
+                    TrianglePair* nearest, std::vector<TrianglePair>* rivals) {
   const Bvh &tree_a = *a.bvh, &tree_b = *b.bvh;
   TrianglePair found{-1, -1};
   const TrianglePair start = nearest != nullptr ? *nearest : found;
@@ -212,12 +213,16 @@ double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in
     });
     descent.candidates.clear();
   };
+  const auto solve = [&] {
+    if (rivals != nullptr) rivals->insert(rivals->end(), descent.candidates.begin(), descent.candidates.end());
+    exact.solve_candidates(take);
+    bound = std::min(bound, best);
+  };
   const auto decide = [&] {
     for (const auto& [pair, least] : s.kept)
       if (least <= bound) descent.candidates.push_back(pair);
     s.kept.clear();
-    exact.solve_candidates(take);
-    bound = std::min(bound, best);
+    solve();
   };
   descent.forget_placed();
   descent.candidates.clear();
@@ -225,8 +230,7 @@ double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in
   // a bound: the pair that was nearest last time, or the nearest of a few pairs of leaves
   if (start.a >= 0 && start.a < a.mesh->triangle_count() && start.b >= 0 && start.b < b.mesh->triangle_count()) {
     descent.candidates.push_back(start);
-    exact.solve_candidates(take);
-    bound = std::min(bound, best);
+    solve();
   } else {
     descend_to_leaves(tree_a, tree_b, frame, descent, [&](const SubtreePair& leaves) {
       bound = std::min(bound, static_cast<double>(nearest_corners(tree_a, tree_b, frame, leaves, descent)) + allowance);
@@ -253,28 +257,46 @@ double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in
   return best;
 }
 
-double point_mesh_distance(const MeshView& mesh, const Vec3& point, double upper_bound, Vec3& nearest, std::int32_t& triangle) {
+}  // namespace
+
+double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in_a, double upper_bound, MeshDistanceScratch& s,
+                     TrianglePair* nearest) {
+  return find_nearest(a, b, b_in_a, upper_bound, s, nearest, nullptr);
+}
+
+double reproducible_mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in_a, double upper_bound, MeshDistanceScratch& s,
+                                  TrianglePair& nearest) {
+  s.rivals.clear();
+  // whether triangles intersect is decided exactly, on every instruction set alike
+  if (find_nearest(a, b, b_in_a, upper_bound, s, &nearest, &s.rivals) == 0) return 0;
+  double least = upper_bound;
+  for (const TrianglePair& pair : s.rivals) {
+    Vec3 corners_a[3], corners_b[3];
+    for (int k = 0; k < 3; ++k) {
+      corners_a[k] = a.mesh->corner(pair.a, k);
+      corners_b[k] = b_in_a.scale * (b_in_a.rotation * b.mesh->corner(pair.b, k)) + b_in_a.translation;
+    }
+    least = std::min(least, plain_triangle_distance(corners_a, corners_b));
+  }
+  return least;
+}
+
+namespace {
+
+/// Goes down the tree to the leaves that may hold a triangle nearer to `point` than `best`, which visit(leaf) lowers.
+template <class Visit>
+void visit_near_leaves(const Bvh& tree, const Vec3& point, double& best, const Visit& visit) {
   struct Entry {
     double gap2;
     std::int32_t code;  // >= 0 node, < 0 leaf ~code
   };
-  triangle = -1;
-  const Bvh& tree = *mesh.bvh;
-  if (tree.nodes.empty()) return upper_bound;
+  if (tree.nodes.empty()) return;
   const Vec3 here = point - tree.middle;
   // what the difference and its square can lose: a box must not seem farther than it is
   constexpr double kGapRounding = 0x1p-49;
   const double lost = kGapRounding * (std::abs(here.x) + std::abs(here.y) + std::abs(here.z) + static_cast<double>(tree.size));
-  // a point is a triangle whose corners coincide: the same kernel, the same rounding
-  alignas(64) double values[18 * kBatchPadding], distance[kBatchPadding];
-  static_assert(kBvhWidth <= kBatchPadding);
-  for (int k = 0; k < 9; ++k) {
-    std::fill_n(values + k * kBatchPadding, kBatchPadding, 0.0);
-    std::fill_n(values + (9 + k) * kBatchPadding, kBatchPadding, point[k % 3]);
-  }
   thread_local std::vector<Entry> stack;
   stack.assign(1, {0, 0});
-  double best = upper_bound;
   while (!stack.empty()) {
     const Entry top = stack.back();
     stack.pop_back();
@@ -294,7 +316,23 @@ double point_mesh_distance(const MeshView& mesh, const Vec3& point, double upper
       std::sort(stack.begin() + first, stack.end(), [](const Entry& l, const Entry& r) { return l.gap2 > r.gap2; });  // the nearest is next
       continue;
     }
-    const BvhLeaf& leaf = tree.leaves[static_cast<std::size_t>(~top.code)];
+    visit(tree.leaves[static_cast<std::size_t>(~top.code)]);
+  }
+}
+
+}  // namespace
+
+double point_mesh_distance(const MeshView& mesh, const Vec3& point, double upper_bound, Vec3& nearest, std::int32_t& triangle) {
+  triangle = -1;
+  // a point is a triangle whose corners coincide: the same kernel, the same rounding
+  alignas(64) double values[18 * kBatchPadding], distance[kBatchPadding];
+  static_assert(kBvhWidth <= kBatchPadding);
+  for (int k = 0; k < 9; ++k) {
+    std::fill_n(values + k * kBatchPadding, kBatchPadding, 0.0);
+    std::fill_n(values + (9 + k) * kBatchPadding, kBatchPadding, point[k % 3]);
+  }
+  double best = upper_bound;
+  visit_near_leaves(*mesh.bvh, point, best, [&](const BvhLeaf& leaf) {
     for (std::int32_t i = 0; i < leaf.count; ++i)
       for (int k = 0; k < 9; ++k) values[k * kBatchPadding + i] = mesh.mesh->corner(leaf.triangle[i], k / 3)[k % 3];
     triangle_distances(PairBatch<double>{values, kBatchPadding, leaf.count}, distance);
@@ -303,12 +341,24 @@ double point_mesh_distance(const MeshView& mesh, const Vec3& point, double upper
       best = distance[i];
       triangle = leaf.triangle[i];
     }
-  }
+  });
   if (triangle >= 0) {
     const Vec3 face[3] = {mesh.mesh->corner(triangle, 0), mesh.mesh->corner(triangle, 1), mesh.mesh->corner(triangle, 2)};
     const Vec3 points[3] = {point, point, point};
     nearest = triangle_distance(face, points).point_a;
   }
+  return best;
+}
+
+double reproducible_point_distance(const MeshView& mesh, const Vec3& point, double upper_bound) {
+  double best = upper_bound;
+  visit_near_leaves(*mesh.bvh, point, best, [&](const BvhLeaf& leaf) {
+    for (std::int32_t i = 0; i < leaf.count; ++i) {
+      const std::int32_t t = leaf.triangle[i];
+      const Vec3 foot = nearest_on_triangle(point, mesh.mesh->corner(t, 0), mesh.mesh->corner(t, 1), mesh.mesh->corner(t, 2)).point;
+      best = std::min(best, length(point - foot));
+    }
+  });
   return best;
 }
 

@@ -42,12 +42,21 @@ bool triangle_pairs_within(const MeshView& a, const MeshView& b, const Placement
 double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in_a, double upper_bound, MeshDistanceScratch& scratch,
                      TrianglePair* nearest = nullptr);
 
+/// As mesh_distance, with the same bits on every instruction set and from every first bound: the distances of all pairs that may be
+/// nearest, rounding allowed for, are computed in plain double precision, and the least of these is taken.
+/// Cost: a few pairs more than mesh_distance, one after another.
+double reproducible_mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in_a, double upper_bound, MeshDistanceScratch& scratch,
+                                  TrianglePair& nearest);
+
 /// Whether the surfaces intersect anywhere. A body inside a closed shell that touches nothing does not.
 /// Cost: stops at the first few triangles that do.
 bool meshes_intersect(const MeshView& a, const MeshView& b, const Placement& b_in_a, MeshDistanceScratch& scratch);
 
 /// Smallest distance from a point to the surface, or upper_bound; nearest triangle and point by reference.
 double point_mesh_distance(const MeshView& mesh, const Vec3& point, double upper_bound, Vec3& nearest, std::int32_t& triangle);
+
+/// Smallest distance from a point to the surface, or upper_bound, with the same bits on every instruction set.
+double reproducible_point_distance(const MeshView& mesh, const Vec3& point, double upper_bound);
 
 /// Whether a point is inside a closed mesh (generalised winding number, exact for points off the surface).
 bool is_inside(const TriangleMesh& mesh, const Vec3& point);

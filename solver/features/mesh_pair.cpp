@@ -8,7 +8,7 @@
 #include "solver/features/candidate_slack.hpp"
 #include "solver/features/due_candidates.hpp"
 #include "solver/features/edge_features.hpp"
-#include "solver/features/nearest_on_triangle.hpp"
+#include "core/geometry/nearest_on_triangle.hpp"
 
 namespace scree {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "solver/features/nearest_on_triangle.hpp"
+#include "core/geometry/nearest_on_triangle.hpp"
 #include "solver/features/pair_features.hpp"
 #include "solver/features/surface_minima.hpp"
 

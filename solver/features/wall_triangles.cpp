@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "solver/features/nearest_on_triangle.hpp"
+#include "core/geometry/nearest_on_triangle.hpp"
 
 namespace scree {
 

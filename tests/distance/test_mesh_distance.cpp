@@ -1,6 +1,7 @@
 // Mesh against mesh: every query against all pairs of triangles, one by one.
 #include <gtest/gtest.h>
 
+#include "core/base/error.hpp"
 #include "core/distance/mesh_distance.hpp"
 #include "tests/distance/rocks.hpp"
 
@@ -42,12 +43,17 @@ void check_distance(const Shape& a, const Shape& b, const Placement& p, const st
   const double size = std::max(length(bounding_box(a.mesh).extent()), p.scale * length(bounding_box(b.mesh).extent()));
   const double least = *std::min_element(all.begin(), all.end());
   EXPECT_NEAR(mesh_distance(a.view(), b.view(), p, 1e308, scratch), least, 1e-14 * size) << what;
+  TrianglePair none{-1, -1};
+  const double plain = reproducible_mesh_distance(a.view(), b.view(), p, 1e308, scratch, none);
+  EXPECT_NEAR(plain, least, 1e-14 * size) << what;
   // where it starts does not matter, and it tells which pair it was
   for (const TrianglePair start : {TrianglePair{-1, -1}, TrianglePair{0, b.mesh.triangle_count() - 1}, TrianglePair{1 << 30, 0}}) {
     TrianglePair nearest = start;
     EXPECT_NEAR(mesh_distance(a.view(), b.view(), p, 1e308, scratch, &nearest), least, 1e-14 * size) << what;
     ASSERT_TRUE(nearest.a >= 0 && nearest.b >= 0) << what;
     EXPECT_NEAR(all[static_cast<std::size_t>(nearest.a * b.mesh.triangle_count() + nearest.b)], least, 1e-14 * size) << what;
+    nearest = start;
+    EXPECT_EQ(reproducible_mesh_distance(a.view(), b.view(), p, 1e308, scratch, nearest), plain) << what;
   }
   // an upper bound below the distance is returned as it is
   if (least > 0) {
@@ -199,6 +205,39 @@ TEST(MeshDistance, relative_placement_maps_through_the_world) {
   }
 }
 
+TEST(MeshDistance, that_is_reproducible_has_the_same_bits_on_every_simd_target_and_from_every_start) {
+  struct BestTarget {
+    ~BestTarget() { limit_simd("best"); }
+  } restore;
+  const MeshDistanceScratchPtr scratch = make_mesh_distance_scratch();
+  const Shape rock(make_rock(2, 7, 0.15)), box(box_mesh({1, 2, 3}));
+  const std::vector<const Shape*> shapes{&rock, &box};
+  std::vector<std::vector<double>> answers;
+  for (const char* name : {"avx512", "avx2", "sse4", "scalar"}) {
+    try {
+      limit_simd(name);
+    } catch (const UsageError&) {
+      continue;  // not on this processor
+    }
+    answers.emplace_back();
+    Random random(27);
+    for (int trial = 0; trial < 400; ++trial) {
+      const Shape &a = *shapes[static_cast<std::size_t>(trial % 2)], &b = *shapes[static_cast<std::size_t>(trial / 2 % 2)];
+      // every other turn about z alone: faces of boxes are parallel, and many pairs are equally near but for rounding
+      const Quat turn = trial % 4 == 3 ? quaternion_of({0, 0, 1}, random.uniform(0, 6)) : random.rotation();
+      const Vec3 away = trial % 4 == 3 ? Vec3{random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), 3.1} : 3.2 * random.direction();
+      const Placement p = relative_placement({}, turn, 1, rotate(turn, away), trial % 8 == 7 ? turn : random.rotation(), 0.9);
+      for (const TrianglePair start : {TrianglePair{-1, -1}, TrianglePair{0, b.mesh.triangle_count() - 1}}) {
+        TrianglePair nearest = start;
+        answers.back().push_back(reproducible_mesh_distance(a.view(), b.view(), p, 10, *scratch, nearest));
+      }
+      answers.back().push_back(reproducible_point_distance(a.view(), away, 10));
+    }
+    for (std::size_t i = 0; i < answers[0].size(); i += 3) EXPECT_EQ(answers.back()[i], answers.back()[i + 1]) << name << " " << i;
+    EXPECT_EQ(answers.back(), answers[0]) << name;
+  }
+}
+
 TEST(PointDistance, to_a_box_is_the_closed_form) {
   const Shape box(box_mesh({2, 4, 6}));
   Random random(41);
@@ -213,6 +252,8 @@ TEST(PointDistance, to_a_box_is_the_closed_form) {
     EXPECT_NEAR(d, truth, 1e-14);
     EXPECT_NEAR(length(nearest - p), d, 1e-14);
     EXPECT_GE(triangle, 0);
+    EXPECT_NEAR(reproducible_point_distance(box.view(), p, 1e308), truth, 1e-14);
+    EXPECT_EQ(reproducible_point_distance(box.view(), p, 0.5 * truth), 0.5 * truth);
     EXPECT_EQ(point_mesh_distance(box.view(), p, 0.5 * truth, nearest, triangle), 0.5 * truth);
     EXPECT_EQ(triangle, -1);
     EXPECT_EQ(is_inside(box.mesh, p), outside == 0);

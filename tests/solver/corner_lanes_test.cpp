@@ -12,7 +12,7 @@
 #include <random>
 #include <vector>
 
-#include "solver/features/nearest_on_triangle.hpp"
+#include "core/geometry/nearest_on_triangle.hpp"
 
 namespace scree {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "solver/features/nearest_on_triangle.hpp"
+#include "core/geometry/nearest_on_triangle.hpp"
 #include "solver/features/surface_minima.hpp"
 #include "tests/support/shapes.hpp"
 

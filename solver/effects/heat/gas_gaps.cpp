@@ -6,8 +6,8 @@
 #include <cstddef>
 
 #include "core/base/index.hpp"
+#include "core/distance/mesh_distance.hpp"
 #include "solver/features/pair_features.hpp"
-#include "solver/features/pass_through.hpp"
 
 namespace scree {
 
@@ -24,6 +24,17 @@ double gap_to_zone(const PairView& view) {
   return least - view.a.scale * shape.rounding;
 }
 
+/// The same bits on every instruction set and after every new list: the gap enters the temperatures, and so the state.
+double distance_of_ball(const PairBody& ball, const PairBody& mesh, double reach) {
+  const Vec3 centre = (1 / mesh.scale) * rotate_inverse(mesh.q, ball.x - mesh.x);
+  return mesh.scale * reproducible_point_distance({&mesh.shape->mesh, &mesh.shape->bvh}, centre, reach / mesh.scale);
+}
+
+double distance_of_meshes(const PairBody& a, const PairBody& b, double reach, MeshDistanceScratch& scratch, TrianglePair& nearest) {
+  return a.scale * reproducible_mesh_distance({&a.shape->mesh, &a.shape->bvh}, {&b.shape->mesh, &b.shape->bvh},
+                                              relative_placement(a.x, a.q, a.scale, b.x, b.q, b.scale), reach / a.scale, scratch, nearest);
+}
+
 }  // namespace
 
 double gap_of(const PairView& view, double reach, MeshDistanceScratch& scratch, TrianglePair& nearest) {
@@ -35,13 +46,14 @@ double gap_of(const PairView& view, double reach, MeshDistanceScratch& scratch, 
     case PairGeometry::body_zone:
       return gap_to_zone(view) - view.margin;
     case PairGeometry::sphere_mesh: {
-      const PairBody& sphere = view.a.shape->kind == ShapeKind::sphere ? view.a : view.b;
-      const double radius = sphere.scale * sphere.shape->rounding;
-      const double distance = surface_distance(view.a, view.b, within + radius, scratch, nearest);
+      const bool a_is_ball = view.a.shape->kind == ShapeKind::sphere;
+      const PairBody &ball = a_is_ball ? view.a : view.b, &mesh = a_is_ball ? view.b : view.a;
+      const double radius = ball.scale * ball.shape->rounding;
+      const double distance = distance_of_ball(ball, mesh, within + radius);
       return distance < within + radius ? distance - radius - view.margin : reach;
     }
     case PairGeometry::two_meshes: {
-      const double distance = surface_distance(view.a, view.b, within, scratch, nearest);
+      const double distance = distance_of_meshes(view.a, view.b, within, scratch, nearest);
       return distance < within ? distance - view.margin : reach;
     }
   }
