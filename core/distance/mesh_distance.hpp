@@ -45,8 +45,8 @@ double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in
 /// As mesh_distance, with the same bits on every instruction set and from every first bound: the distances of all pairs that may be
 /// nearest, rounding allowed for, are computed in plain double precision, and the least of these is taken.
 /// Cost: a few pairs more than mesh_distance, one after another.
-double reproducible_mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in_a, double upper_bound, MeshDistanceScratch& scratch,
-                                  TrianglePair& nearest);
+double reproducible_mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in_a, double upper_bound,
+                                  MeshDistanceScratch& scratch, TrianglePair& nearest);
 
 /// Whether the surfaces intersect anywhere. A body inside a closed shell that touches nothing does not.
 /// Cost: stops at the first few triangles that do.

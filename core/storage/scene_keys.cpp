@@ -106,7 +106,8 @@ void contact_keys(KeyVisitor& k, Settings& s) {
   k.word({"gather", "",
           "how contacts become a force: one potential per pair of bodies; an elastic layer, pressure over the area where faces are "
           "opposite each other, for conforming faces (needs `margin` and `layer_modulus`; a vertex carries little load, `F ~ d^3`); or one "
-          "spring per pair of triangles (for comparison only: stiffness and damping grow with the mesh)",
+          "spring per pair of triangles (for comparison only: stiffness and damping grow with the mesh, "
+          "and an edge parallel to a face touches at one of its ends, which rounding chooses)",
           kAlways},
          s.gather);
   k.word({"weights", "",

@@ -349,6 +349,8 @@ def other_output(trial):
     run = trial.completed()
     if trial.case.value("time", "stop_at_rest") or trial.case.value("time", "stop_when_empty") or trial.case.value("cell", "stop_when"):
         raise NotApplicable("the run ends at an output time")
+    if trial.case.value("heat", "frozen") and trial.case.value("time", "step") is None:
+        raise NotApplicable("the derived step of a frozen bed is a whole part of the time between frames (CASE.md)")
     case = trial.case.copy()
     table = case.table("output")
     table["every"] = case.words["time"]["duration"] / trial.random.choice([1, 3, 17, 40])

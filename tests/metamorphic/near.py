@@ -55,7 +55,7 @@ def twin(trial, number, amount):
     kept = trial.__dict__.setdefault("twins", {})
     key = (number, round(math.log2(amount)))
     if key not in kept:
-        kept[key] = trial.tools.solve(trial.tools.pack(disturbed(trial.frozen, random.Random(f"twin {trial.seed} {number}"), amount)))
+        kept[key] = trial.tools.solve(trial.tools.pack(disturbed(trial.frozen, random.Random(f"twin {trial.seed} {number}"), amount, trial.frozen_scene.size())))
     return kept[key]
 
 

@@ -295,10 +295,14 @@ def with_split_faces(case, random):
     return result
 
 
-def disturbed(case, random, amount):
-    """A twin: every body that moves a rounding away, by up to `amount` [m] along each axis."""
+def disturbed(case, random, amount, size):
+    """A twin: every body that moves a rounding away, by up to `amount` [m] along each axis. With one spring per pair of triangles bodies of
+    that `size` [m] also turn by as much: an edge parallel to a face then touches at the end that rounding chooses (CASE.md, `gather`)."""
     result = case.copy()
+    turns = case.value("contact", "gather") == "pairs"
     for body in result.bodies:
         if not body.get("fixed"):
             body["position"] = [x + amount * random.uniform(-1, 1) for x in body["position"]]
+            if turns:
+                body["orientation"] = [q + amount / size * random.uniform(-1, 1) for q in body.get("orientation", [1, 0, 0, 0])]
     return result
