@@ -1,5 +1,6 @@
 #include "core/geometry/mesh_refine.hpp"
 
+#include <cmath>
 #include <vector>
 
 #include "core/base/error.hpp"
@@ -60,14 +61,20 @@ std::int64_t split_edges(TriangleMesh& mesh, const Wants& wants) {
 
 std::int64_t refine_mesh(TriangleMesh& mesh, double edge_length, std::int64_t most_triangles) {
   const double longest2 = edge_length * edge_length;
+  const auto too_many = [&] {
+    return UsageError("refine: edges of at most {:.4g} m need more than {} triangles; give a larger length", edge_length, most_triangles);
+  };
+  // no triangle of such edges is larger than the equilateral one: known before anything is split
+  double area = 0;
+  for (std::int32_t t = 0; t < mesh.triangle_count(); ++t)
+    area += 0.5 * length(cross(mesh.corner(t, 1) - mesh.corner(t, 0), mesh.corner(t, 2) - mesh.corner(t, 0)));
+  if (area > static_cast<double>(most_triangles) * 0.25 * std::sqrt(3.0) * longest2) throw too_many();
   std::int64_t splits = 0;
   for (;;) {
     const std::int64_t round = split_edges(mesh, [&](const Vec3& a, const Vec3& b) { return squared_length(b - a) > longest2; });
     if (round == 0) return splits;
     splits += round;
-    if (static_cast<std::int64_t>(mesh.triangles.size()) > most_triangles) {
-      throw UsageError("refine: edges of at most {:.4g} m need more than {} triangles; give a larger length", edge_length, most_triangles);
-    }
+    if (static_cast<std::int64_t>(mesh.triangles.size()) > most_triangles) throw too_many();
   }
 }
 

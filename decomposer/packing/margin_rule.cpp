@@ -437,8 +437,8 @@ void MarginRule::check_derived(double derived) const {
   // Hertz contacts: what is soft there is so by its material, not by choice.
   if (from_touch_ && case_.settings.law == ContactLaw::hertz_mindlin) return;
   // the depth of a blow is proportional to the root of the stiffness, that of what lies on a body to the stiffness: less would do for that
-  const double needed = from_touch_ ? heaviest_ * std::pow(report_.fastest_impact / (kOverlapShare * 2 * kNoticeShare * smallest_), 2)
-                                    : softest_ * std::pow(derived / (kNoticeShare * smallest_), 2);
+  const double needed =
+      softest_ * std::pow(from_touch_ ? depth_ / (2 * kOverlapShare * kNoticeShare * smallest_) : derived / (kNoticeShare * smallest_), 2);
   const std::string from = fmt::format(
       "the heaviest body ({}), the fastest impact expected ({}) and the softest pair ({}){}", format_quantity(heaviest_, Dimension::mass),
       format_quantity(report_.fastest_impact, Dimension::velocity), format_quantity(softest_, Dimension::stiffness), pulled_);

@@ -104,11 +104,15 @@ void choose_records(const mpi::Communicator& comm, const VerifyOptions& options,
         if (!record.checkpoint.empty() || from_start) last = step;
       }
     }
-    if (records.empty() || records.begin()->first > last) {
+    // the state at the start alone says nothing of steps
+    const auto next = records.upper_bound(first);
+    const bool only_the_start = options.steps > 0 && (next == records.end() || next->first > last);
+    if (records.empty() || records.begin()->first > last || only_the_start) {
       throw UsageError("{}: nothing is recorded from step {} to {}; {}", options.run_folder, first + 1, last,
-                       records.empty() ? "begin earlier, with --from start"
-                                       : fmt::format("the next record is at step {}: use --steps {}", records.begin()->first,
-                                                     records.begin()->first - first));
+                       next != records.end()
+                           ? fmt::format("the next record is at step {}: use --steps {}", next->first, next->first - first)
+                       : from_start ? "the run ended before its first record"
+                                    : "begin earlier, with --from start");
     }
     std::erase_if(records, [&](const auto& entry) { return entry.first > last; });
   });

@@ -191,6 +191,7 @@ def verify_says_the_same_or_names_step_body_and_field():
         assert said.startswith("the same, bit for bit") and f"{ranks} ranks x {threads} threads" in said, said
     assert before == {n: os.path.getmtime(os.path.join("a.run", n)) for n in os.listdir("a.run")}, "verify wrote into the run"
     assert "use --steps" in run(1, "verify", "a.run", "--steps", "1", expect=2).stderr
+    assert "use --steps" in run(1, "verify", "a.run", "--from", "start", "--steps", "1", expect=2).stderr, "the start alone says nothing of steps"
     # the last bit of one velocity in one frame
     shutil.copytree("a.run", "frame.run")
     with h5py.File("frame.run/frame_000005.hdf", "r+") as f:

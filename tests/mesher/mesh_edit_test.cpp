@@ -185,6 +185,14 @@ TEST(MeshRefine, edges_become_short_and_the_surface_stays) {
   EXPECT_NEAR(check.area, 22, 1e-12);
 }
 
+TEST(MeshRefine, too_short_an_edge_is_refused_before_anything_is_split) {
+  TriangleMesh mesh = box_mesh({1, 2, 3});
+  // 22 m^2 in triangles of at most sqrt(3)/4 L^2
+  EXPECT_THROW(refine_mesh(mesh, 1e-9, 1000000), UsageError);
+  EXPECT_EQ(mesh.triangle_count(), 12);
+  EXPECT_THROW(refine_mesh(mesh, 0.02, 100000), UsageError);
+}
+
 TEST(MeshRefine, splitting_in_four_makes_four_times_as_many) {
   TriangleMesh mesh = test::icosphere(1);
   const double volume = mass_properties(mesh).volume;

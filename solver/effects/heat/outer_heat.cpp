@@ -33,14 +33,14 @@ const std::vector<std::int32_t>& OuterHeat::by_id(const RunState& s) {
 /// Rows of what all ranks named. Throws UsageError on every rank for a body that is unknown or named twice, and for what
 /// `fault_of(entry)` says of its numbers.
 template <class Given, class Check>
-NamedBodies OuterHeat::checked(const RunState& s, const std::vector<Given>& all, const Check& fault_of) {
+NamedBodies OuterHeat::checked(const char* call, const RunState& s, const std::vector<Given>& all, const Check& fault_of) {
   NamedBodies found = find_named(s, all, by_id(s));
   mpi::on_root(s.comm, [&] {
     for (std::size_t k = 0; k < all.size(); ++k) {
-      if (k > 0 && all[k].id == all[k - 1].id) throw UsageError("heat: body {} is named twice in one call; name it once", all[k].id);
+      if (k > 0 && all[k].id == all[k - 1].id) throw UsageError("{}: body {} is named twice in one call; name it once", call, all[k].id);
       const bool has_left = std::binary_search(departed_.begin(), departed_.end(), all[k], has_lower_id);
       if (const std::string fault = fault_of(all[k], found.kinds[k] != NamedBodies::unknown, has_left); !fault.empty())
-        throw UsageError("heat: {}", fault);
+        throw UsageError("{}: {}", call, fault);
     }
   });
   return found;
@@ -84,7 +84,7 @@ std::string unknown_body(std::int64_t id) {
 void OuterHeat::hold(const RunState& s, const std::vector<SourceOfBody>& mine) {
   const std::vector<SourceOfBody> all = of_all_ranks(s, mine);
   if (all.empty()) return;
-  const NamedBodies found = checked(s, all, [](const SourceOfBody& given, bool is_there, bool) {
+  const NamedBodies found = checked("set_heat_source", s, all, [](const SourceOfBody& given, bool is_there, bool) {
     if (!std::isfinite(given.power))
       return fmt::format("body {} gets a source of {:g} W, which is not a finite number; check what it is computed from", given.id,
                          given.power);
@@ -96,7 +96,7 @@ void OuterHeat::hold(const RunState& s, const std::vector<SourceOfBody>& mine) {
 void OuterHeat::hold(const RunState& s, const std::vector<MediumOfBody>& mine) {
   const std::vector<MediumOfBody> all = of_all_ranks(s, mine);
   if (all.empty()) return;
-  const NamedBodies found = checked(s, all, [](const MediumOfBody& given, bool is_there, bool) {
+  const NamedBodies found = checked("set_medium", s, all, [](const MediumOfBody& given, bool is_there, bool) {
     if (!(given.conductance >= 0) || !std::isfinite(given.conductance))
       return fmt::format("body {} gets a medium with a conductance of {:g} W/K; expected a finite number >= 0, h A", given.id,
                          given.conductance);
@@ -121,13 +121,13 @@ void OuterHeat::release(const RunState& s, const std::optional<std::vector<std::
   }
   const std::vector<Id> all = of_all_ranks(s, ids_of(*mine));
   const NamedBodies found =
-      checked(s, all, [](const Id& given, bool is_there, bool) { return is_there ? std::string() : unknown_body(given.id); });
+      checked("clear_heat", s, all, [](const Id& given, bool is_there, bool) { return is_there ? std::string() : unknown_body(given.id); });
   change(s, all, found, [&](Entry& entry, std::size_t) { end(entry); });
 }
 
 std::vector<double> OuterHeat::take(const RunState& s, const std::vector<std::int64_t>& mine) {
   const std::vector<Id> all = of_all_ranks(s, ids_of(mine));
-  const NamedBodies found = checked(s, all, [](const Id& given, bool is_there, bool has_left) {
+  const NamedBodies found = checked("take_medium_heat", s, all, [](const Id& given, bool is_there, bool has_left) {
     return is_there || has_left ? std::string()
                                 : unknown_body(given.id) + ". Of a body that has left, what passed from its medium can be taken once";
   });

@@ -91,7 +91,7 @@ class OuterHeat {
 
   const std::vector<std::int32_t>& by_id(const RunState& s);
   template <class Given, class Check>
-  NamedBodies checked(const RunState& s, const std::vector<Given>& all, const Check& fault_of);
+  NamedBodies checked(const char* call, const RunState& s, const std::vector<Given>& all, const Check& fault_of);
   template <class Given, class Change>
   void change(const RunState& s, const std::vector<Given>& all, const NamedBodies& found, const Change& change_entry);
   void drop_unneeded();
