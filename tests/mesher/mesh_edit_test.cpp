@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/error.hpp"
 #include "core/geometry/mass_properties.hpp"
 #include "core/geometry/mesh_refine.hpp"
 #include "mesher/check/mesh_check.hpp"
