@@ -93,8 +93,12 @@ class OwnCase:
             raise Wrong(f"{where}: {name}: {error} in: {text}") from None
         if not words:
             raise Wrong(f"{where}: {name}: expected the words for scree-mesher, for instance \"import {name}.stl --unit mm\"")
-        here = lambda word: os.path.join(self.folder, word)  # noqa: E731
-        return shlex.join([words[0]] + [here(word) if not word.startswith("-") and os.path.isfile(here(word)) else word for word in words[1:]])
+        return shlex.join([words[0], *map(self.with_whole_path, words[1:])])
+
+    def with_whole_path(self, word):
+        option, equals, value = word.partition("=") if word.startswith("--") else ("", "", word)
+        path = os.path.join(self.folder, value)
+        return option + equals + path if not value.startswith("-") and os.path.isfile(path) else word
 
     def import_of(self, shape, keys):
         beside = os.path.dirname(shape)

@@ -147,7 +147,15 @@ def everything():
 # The file that a shape is made from, so that it is made anew when the file changes; none for a generated one.
 def mesh_of(wildcards):
     words = shlex.split(SHAPES[wildcards.shape])
-    return [word for word in words[1:] if words[0] != "generate" and not word.startswith("-") and os.path.isfile(word)]
+    values = [word.partition("=")[2] if word.startswith("--") else word for word in words[1:]]
+    return [value for value in values if words[0] != "generate" and not value.startswith("-") and os.path.isfile(value)]
+
+
+# A shape has the name of its file. Of several meshes in one file, each keeps its own name, as it does where names are given.
+def name_of(wildcards):
+    words = shlex.split(SHAPES[wildcards.shape])
+    takes_one = words[0] == "generate" or words[0] == "import" and len(mesh_of(wildcards)) < 2
+    return ["--name", wildcards.shape] if takes_one and not any(word.split("=")[0] == "--name" for word in words) else []
 
 
 # What a rule waits for and watches. A file with braces in its path is no input: its last change is a parameter, and makes anew what depends on it.
@@ -165,7 +173,7 @@ rule shape:
     params:
         words=lambda wildcards: shlex.split(SHAPES[wildcards.shape]),
         changes=lambda wildcards: changes(mesh_of(wildcards)),
-        name=lambda wildcards: ["--name", wildcards.shape] if SHAPES[wildcards.shape].split()[0] in ("import", "generate") else [],
+        name=name_of,
     shell: "scree-mesher {params.words:q} -o {output:q} {params.name:q}"
 
 

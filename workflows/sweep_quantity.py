@@ -46,10 +46,13 @@ def function_of(word, folder="."):
     module = importlib.util.module_from_spec(spec)
     if (beside := os.path.dirname(os.path.abspath(path))) not in sys.path:
         sys.path.append(beside)   # modules beside it, as if it were started as a program
+    os.environ["SCREE_LOADS_FUNCTION_OF"] = path   # a program that measures as it is loaded would load itself again without end (scree.measure)
     try:
         spec.loader.exec_module(module)
     except Exception as error:   # whatever stands in it
         raise Wrong(f"plot={word}: {path}: {type(error).__name__}: {error}") from None
+    finally:
+        del os.environ["SCREE_LOADS_FUNCTION_OF"]
     function = getattr(module, match[2], None)
     if not callable(function):
         raise Wrong(f"plot={word}: {path} has no function '{match[2]}'")

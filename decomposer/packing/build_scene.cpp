@@ -263,6 +263,7 @@ class Builder {
       result.name = s.name;
       return result;
     }
+    if (!s.name_in_file.empty()) throw UsageError("{}: {} has no shape '{}'; it has: {}", s.where, s.file, s.name_in_file, names);
     throw UsageError("{}: {} holds {} shapes ({}); say which with name = \"...\"", s.where, s.file, file.shapes.size(), names);
   }
 

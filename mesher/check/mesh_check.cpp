@@ -193,16 +193,73 @@ std::vector<std::int32_t> read_topology(const TriangleMesh& mesh, MeshCheck& che
   return component;
 }
 
+/// Whether an edge of triangle t clearly passes through the inside of triangle u: beyond rounding on both sides of it.
+bool pierces(const TriangleMesh& mesh, std::int32_t t, std::int32_t u) {
+  constexpr double kClearly = 1e-9;  // of the volume of a box of the longest edges: far above the rounding of a determinant
+  const Vec3 a = mesh.corner(u, 0), b = mesh.corner(u, 1), c = mesh.corner(u, 2);
+  const double size = std::max({length(b - a), length(c - b), length(a - c)});
+  const auto side = [&](const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) {
+    const double volume = dot(q - p, cross(r - p, s - p)), reach = std::max(size, length(s - p));
+    return std::abs(volume) > kClearly * size * size * reach ? (volume > 0 ? 1 : -1) : 0;
+  };
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 p = mesh.corner(t, k), q = mesh.corner(t, (k + 1) % 3);
+    if (side(a, b, c, p) * side(a, b, c, q) >= 0) continue;
+    const int ab = side(a, b, p, q), bc = side(b, c, p, q), ca = side(c, a, p, q);
+    if (ab != 0 && ab == bc && bc == ca) return true;
+  }
+  return false;
+}
+
+/// Whether the solid just below triangle t lies within the component whose triangles are `other`.
+bool is_within(const TriangleMesh& mesh, std::int32_t t, const std::vector<std::int32_t>& other) {
+  constexpr double kBelow = 1e-6, kNearCorner = 0.9;  // of the longest edge; weight of a corner
+  const Vec3 a = mesh.corner(t, 0), b = mesh.corner(t, 1), c = mesh.corner(t, 2), middle = (1.0 / 3) * (a + b + c);
+  const Vec3 below = (-kBelow * std::max({length(b - a), length(c - b), length(a - c)})) * normalised(cross(b - a, c - a));
+  const auto holds = [&](const Vec3& p) { return std::abs(winding_number(mesh, other, p + below)) > 0.5; };
+  return holds(middle) || holds(kNearCorner * a + (1 - kNearCorner) * middle) || holds(kNearCorner * b + (1 - kNearCorner) * middle) ||
+         holds(kNearCorner * c + (1 - kNearCorner) * middle);
+}
+
+/// Components that have a common volume: edges of one pass through triangles of the other, or where the surfaces touch the solid of one
+/// lies within the other. Those that only touch, along an edge or with a face on a face, have none.
+std::set<std::pair<std::int32_t, std::int32_t>> find_common_volumes(const TriangleMesh& mesh, const std::vector<std::int32_t>& component,
+                                                                    std::size_t count, const std::vector<CrossingPair>& pairs) {
+  std::set<std::pair<std::int32_t, std::int32_t>> common;
+  std::vector<CrossingPair> undecided;
+  for (const CrossingPair& pair : pairs) {
+    const std::int32_t a = component[at(pair.first)], b = component[at(pair.second)];
+    if (a == b || common.contains(std::minmax(a, b))) continue;
+    if (pierces(mesh, pair.first, pair.second) || pierces(mesh, pair.second, pair.first))
+      common.insert(std::minmax(a, b));
+    else
+      undecided.push_back(pair);
+  }
+  std::vector<std::vector<std::int32_t>> members(count);
+  if (!undecided.empty())
+    for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) members[at(component[at(t)])].push_back(t);
+  std::set<std::pair<std::int32_t, std::int32_t>> seen;  // triangle, component
+  for (const CrossingPair& pair : undecided) {
+    const std::int32_t a = component[at(pair.first)], b = component[at(pair.second)];
+    if (common.contains(std::minmax(a, b))) continue;
+    if ((seen.emplace(pair.first, b).second && is_within(mesh, pair.first, members[at(b)])) ||
+        (seen.emplace(pair.second, a).second && is_within(mesh, pair.second, members[at(a)])))
+      common.insert(std::minmax(a, b));
+  }
+  return common;
+}
+
 void find_self_intersections(const TriangleMesh& mesh, const std::vector<std::int32_t>& component, MeshCheck& check) {
   const std::vector<CrossingPair> pairs = find_crossing_pairs(mesh);
   check.crossing_pairs = static_cast<std::int32_t>(pairs.size());
   if (pairs.empty()) return;
-  std::set<std::pair<std::int32_t, std::int32_t>> crossing;
+  std::set<std::pair<std::int32_t, std::int32_t>> meeting;
   for (const CrossingPair& pair : pairs) {
     const std::int32_t a = component[at(pair.first)], b = component[at(pair.second)];
-    if (a != b) crossing.insert(std::minmax(a, b));
+    if (a != b) meeting.insert(std::minmax(a, b));
   }
-  check.crossing_components = static_cast<std::int32_t>(crossing.size());
+  check.crossing_components = static_cast<std::int32_t>(find_common_volumes(mesh, component, check.components.size(), pairs).size());
+  check.touching_components = static_cast<std::int32_t>(meeting.size()) - check.crossing_components;
   for (const CrossingPair& pair : pairs) list_place(check.places.self_intersections, middle_of(mesh, pair.first));
 }
 
@@ -291,6 +348,10 @@ void remark(MeshCheck& check) {
                     "counts twice",
                     counted(check.crossing_pairs, "pair of triangles passes", "pairs of triangles pass"),
                     text_of(check.places.self_intersections.front())));
+  }
+  if (check.touching_components > 0) {
+    check.remarks.push_back(fmt::format("{} without a common volume",
+                                        counted(check.touching_components, "pair of components touches", "pairs of components touch")));
   }
   const auto bodies = std::count_if(check.components.begin(), check.components.end(), [](const auto& c) { return c.depth % 2 == 0; });
   if (bodies > 1) check.remarks.push_back(fmt::format("{} separate pieces: they would move as one rigid body", bodies));
@@ -428,6 +489,7 @@ nlohmann::json json_of(const MeshCheck& check) {
   json["unreferenced_vertices"] = check.unreferenced_vertices;
   json["self_intersections"] = check.crossing_pairs;
   json["crossing_components"] = check.crossing_components;
+  json["touching_components"] = check.touching_components;
   json["inverted_components"] = check.inverted_components;
   json["overlapping_components"] = check.overlapping_components;
   json["euler_characteristic"] = check.euler_characteristic;

@@ -44,7 +44,8 @@ struct MeshCheck {
   std::int32_t inverted_components = 0;     ///< closed, consistent, but inside out for where they lie
   std::int32_t overlapping_components = 0;  ///< bodies inside bodies: their volume would count twice
   std::int32_t crossing_pairs = 0;          ///< triangles without a common vertex that pass through each other
-  std::int32_t crossing_components = 0;     ///< pairs of components whose surfaces cross
+  std::int32_t crossing_components = 0;     ///< pairs of components that have a common volume and whose surfaces meet
+  std::int32_t touching_components = 0;     ///< pairs of components whose surfaces meet without a common volume: a face on a face
   bool nesting_was_checked = true;          ///< false when there are too many components (kNestingWork)
   std::vector<MeshComponent> components;    ///< by first triangle
   std::int32_t euler_characteristic = 0;    ///< V - E + T of referenced vertices; 2 for one ball-like piece

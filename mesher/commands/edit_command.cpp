@@ -42,6 +42,23 @@ std::string stl_loss(const TriangleMesh& mesh) {
       part);
 }
 
+/// What pieces of a cut are no longer once their meshes are made anew.
+std::string loss_of_pieces(const std::string& path, const ShapeFile& file) {
+  std::string text = fmt::format(
+      "{}: holds pieces of a cut; the result has no table of shared faces, so that pieces of it cannot be bonded by faces: edit the body "
+      "before 'scree-mesher fracture' cuts it",
+      path);
+  if (!(file.pieces->inset > 0)) return text;
+  double whole = 0, inset = 0;
+  for (const Shape& shape : file.shapes) {
+    whole += shape.mass.volume;
+    inset += mass_properties(shape.mesh).volume;
+  }
+  return text +
+         fmt::format(". Volume and moments become those of the meshes, whose shared faces lie back by {}: {:.4g} m^3 in all, {:.4g} before",
+                     metres(file.pieces->inset), inset, whole);
+}
+
 /// The check of a result without advice to do again what was just done, and with what the command itself advises.
 MeshCheck with_advice_after(const std::string& what, const EditedMesh& edited) {
   MeshCheck check = check_mesh(edited.mesh);
@@ -83,6 +100,7 @@ EditSource read_edit_source(const EditOptions& options, CommandResult& result) {
     ShapeFile file = read_shape_file(options.file);
     source.reader = "shape file";
     source.history = file.provenance;
+    if (file.pieces) result.notices.push_back(loss_of_pieces(options.file, file));
     for (Shape& shape : file.shapes) {
       if (shape.kind == ShapeKind::sphere) {
         throw InputError("{}: shape '{}' is an analytic sphere and has no triangles to work on", options.file, shape.name);

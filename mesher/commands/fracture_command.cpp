@@ -123,6 +123,9 @@ CommandResult fracture_command(const FractureOptions& options, const std::vector
   if (options.points.empty() == (options.cells == 0)) throw UsageError("fracture: give either --cells N or --points FILE");
   if (options.points.empty() && (options.cells < 2 || options.cells > kMaxCells))
     throw UsageError("--cells {}: expected from 2 to {}", options.cells, kMaxCells);
+  if (!options.points.empty() && options.evenly)
+    throw UsageError("--evenly moves points that are drawn by --cells; those of --points {} stay where they are: leave one of both out",
+                     options.points);
   const ShapeFile file = read_shape_file(options.file);
   const Shape& body = chosen_shape(file, options);
   expect_solid(body, options.file);

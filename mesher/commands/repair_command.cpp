@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/counted.hpp"
 #include "core/base/error.hpp"
 #include "mesher/commands/certificate.hpp"
 #include "mesher/commands/edit_command.hpp"
@@ -11,6 +12,13 @@
 namespace scree {
 
 namespace {
+
+/// A part that stands alone faces outward, whatever it was inside another one.
+void turn_alone(TriangleMesh& part, std::vector<std::string>& steps) {
+  if (const std::int32_t turned = turn_outward(part); turned > 0)
+    steps.push_back(counted(turned, "triangle of a part that now stands alone turned outward",
+                            "triangles of a part that now stands alone turned outward"));
+}
 
 /// The component that stays by --largest or --component.
 TriangleMesh picked(const TriangleMesh& mesh, const RepairOptions& options, std::vector<std::string>& steps) {
@@ -26,6 +34,7 @@ TriangleMesh picked(const TriangleMesh& mesh, const RepairOptions& options, std:
   if (parts.size() > 1) {
     steps.push_back(fmt::format("component {} of {} kept, {} triangles", keep + 1, parts.size(), parts[keep].triangle_count()));
   }
+  turn_alone(parts[keep], steps);
   return parts[keep];
 }
 
@@ -54,10 +63,11 @@ CommandResult repair_command(const RepairOptions& options, const std::vector<std
       results.push_back(std::move(edited));
       continue;
     }
-    const std::vector<TriangleMesh> parts = components_of(edited.mesh);
+    std::vector<TriangleMesh> parts = components_of(edited.mesh);
     for (std::size_t i = 0; i < parts.size(); ++i) {
-      results.push_back({fmt::format("{}_{}", edited.name, i + 1), parts[i], i == 0 ? edited.steps : std::vector<std::string>{},
-                         edited.record, edited.advice});
+      std::vector<std::string> steps = i == 0 ? edited.steps : std::vector<std::string>{};
+      turn_alone(parts[i], steps);
+      results.push_back({fmt::format("{}_{}", edited.name, i + 1), std::move(parts[i]), std::move(steps), edited.record, edited.advice});
     }
   }
   write_edit_results("repaired", options, source, results, command, result);

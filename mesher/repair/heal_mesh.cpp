@@ -431,7 +431,7 @@ double heal_mesh(TriangleMesh& mesh, const HealOptions& options, std::vector<std
 
   // self-intersections
   const MeshCheck check = check_mesh(mesh);
-  if (check.crossing_pairs > 0 && check.is_watertight() && check.crossing_components == 0) {
+  if (check.crossing_pairs > 0 && check.is_watertight() && check.crossing_components == 0 && check.touching_components == 0) {
     std::int32_t removed = 0;
     const std::size_t pairs_left = resolve_crossings(mesh, most, removed);
     if (removed > 0) {

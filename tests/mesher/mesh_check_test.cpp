@@ -23,13 +23,18 @@ void invert(TriangleMesh& mesh) {
   for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
 }
 
-TriangleMesh both(const TriangleMesh& a, const TriangleMesh& b) {
+TriangleMesh with_vertices_of_their_own(const TriangleMesh& a, const TriangleMesh& b) {
   TriangleMesh mesh = a;
   mesh.vertices.insert(mesh.vertices.end(), b.vertices.begin(), b.vertices.end());
   for (Triangle t : b.triangles) {
     for (std::int32_t& v : t) v += a.vertex_count();
     mesh.triangles.push_back(t);
   }
+  return mesh;
+}
+
+TriangleMesh both(const TriangleMesh& a, const TriangleMesh& b) {
+  TriangleMesh mesh = with_vertices_of_their_own(a, b);
   weld_equal_positions(mesh);
   return mesh;
 }
@@ -190,6 +195,35 @@ TEST(MeshCheck, two_boxes_that_pass_through_each_other_are_refused) {
   EXPECT_EQ(check.crossing_components, 1);
   EXPECT_GT(check.crossing_pairs, 0);
   expect_problem(check, "through each other");
+}
+
+// Also turned, where rounding puts faces that are one on the other a little apart or into each other.
+TEST(MeshCheck, boxes_that_touch_have_no_common_volume_and_those_that_share_planes_may_have_one) {
+  const Vec3 unit{1, 1, 1};
+  const struct {
+    Vec3 size, offset;
+    bool is_common;
+  } cases[] = {{unit, {1, 0.3, 0.2}, false},               // a face on a part of a face
+               {unit, {1, 0, 0}, false},                   // a face on a face
+               {unit, {1, 1, 0}, false},                   // an edge on an edge
+               {unit, {1, 1, 0.3}, false},                 // an edge on a part of an edge
+               {{0.2, 0.3, 0.4}, {0.6, 0.1, 0.1}, false},  // a face within a face
+               {unit, {0.5, 0, 0}, true},                  // pushed along its edges
+               {unit, {0.5, 0.5, 0}, true},
+               {unit, {0, 0, 0}, true},  // one in the place of the other
+               {{0.5, 0.5, 0.5}, {0.25, 0.25, 0.25}, true},
+               {{0.5, 2, 0.5}, {0, 0, 0.25}, true}};
+  for (const auto& c : cases) {
+    for (const double angle : {0.0, 0.7, 2.1}) {
+      TriangleMesh mesh = with_vertices_of_their_own(box(unit), box(c.size, c.offset));
+      const Quat turn = quaternion_of(normalised(Vec3{1, 2, 3}), angle);
+      for (Vec3& v : mesh.vertices) v = rotate(turn, v);
+      const MeshCheck check = check_mesh(mesh);
+      EXPECT_EQ(check.is_solid(), !c.is_common) << c.offset.x << " " << c.offset.y << " " << c.offset.z << " " << angle;
+      EXPECT_LE(check.crossing_components + check.touching_components, 1);
+      if (!c.is_common) EXPECT_NEAR(check.mass.volume, 1 + c.size.x * c.size.y * c.size.z, 1e-13);
+    }
+  }
 }
 
 TEST(MeshCheck, a_vertex_pushed_through_the_opposite_side_is_remarked_as_self_intersection) {

@@ -36,6 +36,14 @@ class IntervalsTest(unittest.TestCase):
             self.assertTrue(HELD[0] <= share <= HELD[1], (sigma, count, share))
             self.assertGreater(sum(entry.method == "lognormal" for entry in intervals), 0.7 * DRAWS)
 
+    def test_the_value_is_the_mean_of_the_runs_however_they_scatter(self):
+        """Numbers that are rounding in some runs, and nothing in others."""
+        for runs in ([1e-4, 0.01, 1], [1, 2, 30], [1e-8, 1, 1, 1, 1], [6.8e-35, 9.4e-35, 5.6e-35, 3.3e-4, 3.1e-4], [1e-300, 1e-20, 1], [1.0, 2.0, 3.5], [0.0, 1, 1]):
+            interval = mean_interval(runs)
+            self.assertEqual(interval.value, np.mean(runs), runs)
+            self.assertTrue(interval.low <= interval.value <= interval.high, runs)
+            self.assertLess(interval.half, 5 * max(runs), runs)
+
     def test_the_bootstrap_from_twenty_runs_on(self):
         for name, draw, truth in (("normal", lambda random, n: random.standard_normal(n), 0.0), ("gamma", lambda random, n: random.gamma(3, 1, n), 3.0)):
             share, intervals = held(draw, truth, 20)

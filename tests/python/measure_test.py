@@ -2,6 +2,8 @@
 """A number of a case with its errors: a closed form by real runs, and calls that cannot work."""
 import math
 import os
+import subprocess
+import sys
 import unittest
 
 import scree
@@ -50,6 +52,17 @@ class MeasureTest(InFolder):
             scree.measure("nope", "mass")
         with self.assertRaisesRegex(scree.UsageError, "--budget: 'soon' found; expected a time"):
             scree.measure("boulders", "mass", budget="soon")
+
+    def test_a_program_that_measures_as_it_is_loaded_is_refused(self):
+        """Its function is loaded by the workflow: without a guard that would measure again, and so on without end."""
+        scree.Case.from_text(BALL).save(self.path("ball.toml"))
+        with open(self.path("own.py"), "w", encoding="utf-8") as file:
+            file.write("import scree\n\ndef depth(run):\n    return 1.0, 'm'\n\nscree.measure('ball.toml', depth, seeds=2, output='out', progress=False)\n")
+        result = subprocess.run([sys.executable, "own.py"], cwd=self.path("."), capture_output=True, text=True, timeout=100)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn('UsageError: measure: ', result.stderr)
+        self.assertIn('put the call of measure below: if __name__ == "__main__":', result.stderr.splitlines()[-1])
+        self.assertLess(result.stderr.count("UsageError"), 4)
 
     def test_measure_gives_a_ball_on_a_spring_its_step(self):
         """A ball that is pressed by gravity on a spring k rests at m g / k below touch, whatever the step; a spring of 2 k holds it half as deep."""

@@ -113,6 +113,19 @@ def main():
     assert any("floor.off'" in step and "--surface --unit mm" in step for step in steps) and any("stone.off'" in step for step in steps), steps
     assert any("generate box --size '1 cm, 1 cm, 1 cm'" in step for step in steps), steps
 
+    # several meshes in one shape file keep their names; files behind an option are found, too
+    write("one.off", TETRAHEDRON)
+    write("points.csv", "x,y,z\n-0.001,0,0\n0.001,0,0\n")
+    write("two.toml", CASE.replace('file = "stone.shape.h5"', 'file = "both.shape.h5"\nname = "one"'))
+    write("meshes.toml", f"floor = 'import floor.off --surface --unit mm'\n\"{CUBE}\" = 'fracture box.shape.h5 --points=points.csv'\n"
+                         f"both = 'import one.off stone.off'\n")
+    steps = made(run("--dry-run", case="two.toml"))
+    assert any("one.off" in step and "stone.off" in step and "--name" not in step for step in steps), steps
+    assert any(f"--points={FOLDER}/points.csv" in step for step in steps), steps
+    for name in ("two.toml", "one.off", "points.csv"):
+        os.remove(os.path.join(FOLDER, name))
+    write("meshes.toml", f"floor = 'import floor.off --surface --unit mm'\n\"{CUBE}\" = 'generate box --size \"1 cm, 1 cm, 1 cm\"'\n")
+
     # from meshes to the report, from another folder, by a relative path; a second time there is nothing to do. Six bodies run on one rank,
     # however many cores there are
     write("case.toml", CASE)

@@ -71,7 +71,7 @@ def measure(case: Path | Case, quantity: str | Callable[[str], Any], goal: str |
 
     case      name of a ready case ("boulders", "repose/repose-ball"), path of a case file, or a Case, which is saved in `output` first
     quantity  a name of the statistics ("solid_fraction", "torque_y@drum"); or a function at the top of a file, which gets the path of NAME.run and returns
-              a number, or (number, unit)
+              a number, or (number, unit). The file is loaded by other programs: calls of measure in it stand below  if __name__ == "__main__":
     goal      total error wanted: a number in the unit of the quantity, "0.5 deg" or "1 %"; further seeds are run until it is reached
     budget    time in which it ends with what it has: seconds, or "10 min"
     seeds     of every setting, at least 2
@@ -79,6 +79,9 @@ def measure(case: Path | Case, quantity: str | Callable[[str], Any], goal: str |
     config    words for the workflow: ["size=small", "statistics=--from 2"]
     Needs a checkout of Scree, whose workflows/run it calls. Raises UsageError for a wrong word, RunInvalid when the case itself cannot be run.
     """
+    loading = os.environ.get("SCREE_LOADS_FUNCTION_OF")
+    if loading:
+        raise UsageError(f'measure: {loading} is loaded for its function, and measures when it is loaded; put the call of measure below: if __name__ == "__main__":')
     runner = os.path.join(_HERE, "..", "..", "..", "workflows", "run")
     if not os.path.exists(runner):
         raise MachineError("measure: workflows/run is not here; take this package from a checkout of Scree: PYTHONPATH=CHECKOUT/post/python")
