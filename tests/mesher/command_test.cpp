@@ -610,5 +610,40 @@ TEST_F(Mesher, info_says_that_triangles_of_a_solid_cross) {
   EXPECT_SAYS(run("info spike.shape.h5").output, "through or touch each other");
 }
 
+TEST_F(Mesher, a_part_within_another_one_that_is_to_stand_alone_faces_outward) {
+  std::string text;
+  for (const double half : {1.0, 0.5})
+    for (int k = 0; k < 8; ++k) text += fmt::format("v {} {} {}\n", k & 1 ? half : -half, k & 2 ? half : -half, k & 4 ? half : -half);
+  for (const int first : {1, 9}) {  // both outward
+    const int quads[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+    for (const auto& q : quads) {
+      text += fmt::format("f {} {} {}\n", q[0] + first, q[1] + first, q[2] + first);
+      text += fmt::format("f {} {} {}\n", q[0] + first, q[2] + first, q[3] + first);
+    }
+  }
+  folder.write("nest.obj", text);
+  ASSERT_EQ(run("repair nest.obj --unit m -o both.shape.h5").code, 0);
+  EXPECT_NEAR(shapes("both.shape.h5")[0].mass.volume, 7, 1e-13);  // a cavity
+  ASSERT_EQ(run("repair nest.obj --unit m --separate -o parts.shape.h5").code, 0);
+  EXPECT_NEAR(shapes("parts.shape.h5")[0].mass.volume, 8, 1e-13);
+  EXPECT_NEAR(shapes("parts.shape.h5")[1].mass.volume, 1, 1e-13);
+  ASSERT_EQ(run("repair nest.obj --unit m --component 2 -o inner.shape.h5").code, 0);
+  EXPECT_NEAR(shapes("inner.shape.h5")[0].mass.volume, 1, 1e-13);
+}
+
+TEST_F(Mesher, pieces_that_are_edited_say_what_they_lose) {
+  folder.write("points.csv", "x,y,z\n-0.3,0.01,0.02\n0.3,0.02,0.01\n");
+  ASSERT_EQ(run("generate box --size '1, 1, 1' -o box.shape.h5").code, 0);
+  ASSERT_EQ(run("fracture box.shape.h5 --points points.csv --inset '5 cm' -o pieces.shape.h5").code, 0);
+  const ToolRun refined = run("refine pieces.shape.h5 --edge-length 0.5 -o fine.shape.h5");
+  EXPECT_EQ(refined.code, 0);
+  EXPECT_SAYS(refined.errors, "no table of shared faces");
+  EXPECT_SAYS(refined.errors, "lie back by 50 mm: 0.9 m^3 in all, 1 before");
+  EXPECT_NEAR(shapes("fine.shape.h5")[0].mass.volume + shapes("fine.shape.h5")[1].mass.volume, 0.9, 2e-3);  // the face is a little oblique
+  const ToolRun moved = run("fracture box.shape.h5 --points points.csv --evenly -o even.shape.h5");
+  EXPECT_EQ(moved.code, 2);
+  EXPECT_SAYS(moved.errors, "leave one of both out");
+}
+
 }  // namespace
 }  // namespace scree
