@@ -463,7 +463,9 @@ std::vector<double> StatisticsPlan::numbers_of(const CountedFrame& counted) cons
   const std::vector<BodyConstraints> constraints =
       has_contacts ? body_constraints(view, surface_contacts(view)) : std::vector<BodyConstraints>{};
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    const Group& group = groups[g];
+    Group group = groups[g];
+    std::optional<Region> part;
+    if (group.region != nullptr) group.region = &part.emplace(view.facts.within_a_period(*group.region));
     const double room = group.region != nullptr ? group.region->volume() : view.room_between(view.lowest, view.highest);
     const MotionMeasures motion = motion_measures(view, group);
     ContactMeasures c;

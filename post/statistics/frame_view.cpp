@@ -118,6 +118,15 @@ SceneFacts::SceneFacts(const Run& the_run, const std::optional<Region>& given, c
 SceneFacts::SceneFacts(const Run& the_run, const std::optional<Region>& given, const Frame& frame)
     : SceneFacts(the_run, given, box_around(frame.bodies, the_run.scene, particles_of(the_run, frame)), frame.bodies.size()) {}
 
+Region SceneFacts::within_a_period(Region region) const {
+  for (int k = 0; region.kind == Region::Kind::box && k < 3; ++k) {
+    if (!period.is_periodic(k) || !(region.upper[k] - region.lower[k] > period.period()[k])) continue;
+    region.lower[k] = cell_lower[k];
+    region.upper[k] = cell_lower[k] + period.period()[k];
+  }
+  return region;
+}
+
 int SceneFacts::images_in(const Region& region, const Vec3& point) const {
   if (!period.any()) return region.contains(point) ? 1 : 0;
   int count = 0;

@@ -44,6 +44,8 @@ struct SceneFacts {
   Vec3 cell_lower;  ///< of the periodic cell [m]
   /// Whether the vertical axis is periodic: then the cell is full of the bed, not the way from its lowest to its highest body.
   bool is_endless() const { return period.is_periodic(container.vertical); }
+  /// A box that is longer than a period along a periodic axis is one period long there: it holds each body once.
+  Region within_a_period(Region region) const;
   /// How many images of a point, which lies in the cell, are in a region: at a periodic side it may reach into the next cell.
   int images_in(const Region& region, const Vec3& point) const;
   /// Calls visit(shift) for the shift from the cell to each image of it that a region can hold a part of.

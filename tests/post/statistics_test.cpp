@@ -474,6 +474,11 @@ TEST(SpaceMeasures, what_lies_across_a_periodic_side_counts_on_both) {
   const Region beyond = parse_region("box:3.25,-0.25,0,3.75,0.25,1");
   EXPECT_TRUE((Group{"beyond", &beyond, -1, -1}.holds_contact(view, 0)));
   EXPECT_NEAR(bed_solid(view).fraction, kPi / 6, 0.03);
+  // along a periodic axis a box is no longer than the cell
+  const Region all = facts.within_a_period(parse_region("box:-1000,3,-1,1000,9,2"));
+  EXPECT_EQ(all.lower, (Vec3{0, 0, -1}));
+  EXPECT_EQ(all.upper, (Vec3{4, 4, 2}));
+  EXPECT_EQ(facts.within_a_period(beyond).lower, beyond.lower);
 }
 
 TEST(SpaceMeasures, the_temperature_of_a_layer_does_not_see_the_shear) {
@@ -807,7 +812,19 @@ TEST_F(StatisticsOfARun, a_cell_that_is_periodic_along_up_is_the_room_of_its_str
   StatisticsOptions options;
   options.frames = {0};
   options.profiles = {"z:4"};
-  const StatisticsTable table = run_statistics(run, options, "").tables.front();
+  options.regions = {parse_region("whole=box:-1000,-1000,-1000,1000,1000,1000")};  // each body once, in the volume of the cell
+  const Statistics measured = run_statistics(run, options, "");
+  for (std::size_t k = 0; k < measured.quantities.size(); ++k) {
+    const std::string& name = measured.quantities[k].name;
+    const double mean = measured.averages[1][k].mean;
+    if (name == "particle_count" || name == "mass" || name == "stress_zz") {
+      EXPECT_NEAR(mean, measured.averages[0][k].mean, 1e-12) << name;
+    }
+    if (name == "solid_fraction") {
+      EXPECT_NEAR(mean, 2 * std::numbers::pi / 6 / 64, 1e-12);
+    }
+  }
+  const StatisticsTable& table = measured.tables.front();
   EXPECT_EQ(table.coordinates, (std::vector<double>{0.5, 1.5, 2.5, 3.5}));
   const double ball = std::numbers::pi / 6 / 16;
   for (const std::size_t k : {0, 1, 2, 3}) EXPECT_NEAR(table.values[0][k].mean, k % 3 == 0 ? ball : 0, 1e-12) << k;
