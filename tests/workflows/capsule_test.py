@@ -303,9 +303,28 @@ def check_hostile_words(capsule):
     assert count > 200, count
 
 
+def check_starts():
+    """A run that begins with a checkpoint which is not written again belongs to no capsule."""
+    from recipe import Recipe, Refused
+    with open(os.path.join(SCRATCH, "run.json"), "w") as file:
+        json.dump({"steps": 5279, "step_size": 1.8943836545405096e-05, "settings": {"settings": {"checkpoint_every": 0.02, "checkpoint_by_clock": False}}}, file)
+    start = lambda step: {"start": {"file": f"checkpoint_{step:012}.h5"}}  # noqa: E731
+    for step in (1056, 2112, 4224, 5279):   # 20 ms, 40 ms, 80 ms, the end
+        Recipe.check_start(None, "later.run", start(step), SCRATCH)
+    for step in (1055, 1057, 3000):
+        try:
+            Recipe.check_start(None, "later.run", start(step), SCRATCH)
+        except Refused as reason:
+            assert f"step {step} of" in str(reason) and "[output] checkpoint" in str(reason), reason
+        else:
+            raise AssertionError(f"step {step} was taken")
+    os.remove(os.path.join(SCRATCH, "run.json"))
+
+
 def main():
     shutil.rmtree(SCRATCH, ignore_errors=True)
     os.makedirs(AWAY)
+    check_starts()
     put("case.toml", BED)
     put("later.toml", LATER)
     put("meshes.toml", "cube = 'generate box --size \"1 cm, 1 cm, 1 cm\"'\n")

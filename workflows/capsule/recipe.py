@@ -5,7 +5,9 @@ needs no Snakefile to compute a run again: it gives words to the three tools, an
 """
 import hashlib
 import json
+import math
 import os
+import re
 import sys
 import tomllib
 
@@ -146,6 +148,21 @@ class Recipe:
         self.dates.append(history["utc"])
         return name
 
+    def check_start(self, folder, record, start):
+        """A checkpoint that the clock wrote, or the end of a run that was stopped and went on, is not written when the run is computed again."""
+        match = re.fullmatch(r"checkpoint_(\d+)\.h5", record.get("start", {}).get("file", ""))
+        if match is None:
+            return
+        with open(os.path.join(start, "run.json"), encoding="utf-8") as file:
+            before = json.load(file)
+        step, every, dt = int(match[1]), before["settings"]["settings"].get("checkpoint_every", 0), before["step_size"]
+        by_clock = before["settings"]["settings"].get("checkpoint_by_clock", True) or not every > 0
+        # the first step at or after each whole number of intervals
+        if step == before["steps"] or not by_clock and abs(step - math.ceil(round(step * dt / every) * every / dt - 1e-6)) < 1:
+            return
+        raise Refused(f"{folder}: begins with the checkpoint of step {step} of {start}, which the clock or an interruption wrote: computed again, that run writes none there. "
+                      f"Give its case a checkpoint interval in time of the simulation ([output] checkpoint = \"...\"), or begin with its end, step {before['steps']}")
+
     def entry(self, name, folder, base, record, scene):
         settings, case = [], None
         for word, value in split_words(scene["command"][2:]):
@@ -161,6 +178,7 @@ class Recipe:
             place = os.path.normpath(os.path.join(base, os.path.dirname(case), text))
             found = None
             if key == ("start", "run"):
+                self.check_start(folder, record, place)
                 found = start = self.run(place)
                 found += ".run"
             elif key[-1] in PATHS and place in places:
