@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -14,10 +13,9 @@
 #include "core/base/progress.hpp"
 #include "core/base/units.hpp"
 #include "core/storage/frame_file.hpp"
-#include "solver/phases.hpp"
 #include "solver/run/bed_sample.hpp"
 #include "solver/run/inflow.hpp"
-#include "solver/run/measures.hpp"
+#include "solver/run/plan_pace.hpp"
 #include "solver/run/plan_ranks.hpp"
 #include "solver/run/thread_choice.hpp"
 
@@ -28,52 +26,19 @@ namespace {
 // What files take beside their rows, of runs of 40 to 10 000 bodies: descriptions of the columns and the provenance.
 constexpr double kFrameOverhead = 19e3, kCheckpointOverhead = 60e3, kLogRow = 450;
 constexpr double kCheckpointBody = 470, kCheckpointSpring = 60;
+/// Load maps: datasets of a frame, and a triangle there (compressed, most of them seldom hit) and in a checkpoint.
+constexpr double kLoadOverhead = 20e3, kLoadInFrame = 20, kLoadInCheckpoint = 575;
 constexpr double kRowsPerFrame = 10;  // of log.csv, see make_schedule
 /// Contacts a body has in a heap at rest: 4 to 6 neighbours, each shared by two; some corners and edges of meshes for each.
 constexpr double kContactsAtRest = 2.4;
+/// The same of bodies that walls press together, where meshes touch at several places.
+constexpr double kContactsPressed = 6;
 
 /// Processor time of a body and step in a bed [s], balls and meshes, about, before a sample tells (see kMeshesPerThread).
 constexpr double kBallInBed = 0.2e-6, kMeshInBed = 2.5e-6;
 /// How far off an estimate may be: walls, what they record and what stirs the bed are not in the sample, and a large bed fits no cache.
 /// From the runs of tests/benchmarks/plan, those with outlets apart.
 constexpr double kSpread = 2.5;
-
-/// The first steps of the run.
-struct Pace {
-  std::int64_t steps = 0;
-  double seconds = 0;  ///< of them: processor time of the first thread of the slowest rank
-  std::int64_t contacts = 0;
-  double slowdown = 1;  ///< see CoreWatch
-  double per_step() const { return steps > 0 ? seconds / static_cast<double>(steps) : 0; }
-};
-
-Pace pace_of(const mpi::Communicator& comm, Simulation& simulation, std::int64_t whole_run) {
-  using Clock = std::chrono::steady_clock;
-  constexpr std::int64_t kWarmUp = 20, kMaxSteps = 400, kBetweenLooks = 20;
-  constexpr double kMaxSeconds = 2;
-  Pace pace;
-  const auto run = [&](std::int64_t steps) {
-    for (std::int64_t n = 0; n < steps; ++n) simulation.advance();
-    simulation.agree_on_failures();
-  };
-  const std::int64_t warm_up = std::min(kWarmUp, whole_run / 2), most = std::min(kMaxSteps, whole_run - warm_up);
-  run(warm_up);
-  const Clock::time_point begin = Clock::now();
-  const double used_before = thread_seconds();
-  CoreWatch cores;
-  double passed = 0;
-  while (pace.steps < most && passed < kMaxSeconds) {
-    const std::int64_t steps = std::min(kBetweenLooks, most - pace.steps);
-    run(steps);
-    pace.steps += steps;
-    passed = comm.max(std::chrono::duration<double>(Clock::now() - begin).count());
-  }
-  pace.seconds = comm.max(thread_seconds() - used_before);
-  cores.take_in();
-  if (cores.seconds() > kWorthWatching) pace.slowdown = cores.slowdown();
-  pace.contacts = contact_count(simulation.state());
-  return pace;
-}
 
 /// Resident memory of this process [bytes].
 double resident() {
@@ -120,12 +85,12 @@ class Estimates {
   /// Whether most contacts are still to form, in a run that is long enough for a sample to be worth its time.
   bool needs_sample(const Pace& pace) const {
     constexpr double kLongRun = 20;  // [s]
-    return pace.steps > 0 && contacts_at_rest() > 2 * static_cast<double>(pace.contacts) && guess() > kLongRun;
+    return pace.steps > 0 && contacts_are_to_form(pace) && length(settings_.gravity) > 0 && guess() > kLongRun;
   }
   /// Processor time of a body and step, the mean over the run [s].
   double time_of_body(const Pace& pace) const {
     const double steps = static_cast<double>(std::max<std::int64_t>(steps_, 1));
-    const double all = bed_ ? time_as_bed(pace, bed_->resting) : is_asked_ ? guess() : pace.per_step() * steps;
+    const double all = bed_ ? time_as_bed(pace, bed_->resting) : time_without_sample(pace);
     return all / steps / std::max(1.0, bodies_at(0));
   }
   /// Processor time that a sample may take [s]: a tenth of what the run may take, and no more than a user waits for.
@@ -161,9 +126,21 @@ class Estimates {
   /// Time of the run as a bed from that [s].
   double guess() const { return usual_cost() * mean_bodies() * static_cast<double>(steps_); }
 
-  /// Contacts of a heap of all bodies, where gravity may make one.
+  /// Whether walls that move, or the cell, press the bodies together.
+  bool are_pressed() const {
+    return settings_.cell.has_value() ||
+           std::any_of(scene_.walls.begin(), scene_.walls.end(), [](const Wall& wall) { return wall.motion.drive().has_value(); });
+  }
+  /// Contacts of a heap of all bodies, where gravity, walls or the cell may make one.
   double contacts_at_rest() const {
-    return length(settings_.gravity) > 0 ? (bed_ ? bed_->contacts : kContactsAtRest) * bodies_at(settings_.duration) : 0;
+    if (!are_pressed() && !(length(settings_.gravity) > 0)) return 0;
+    return (bed_ ? bed_->contacts : are_pressed() ? kContactsPressed : kContactsAtRest) * bodies_at(settings_.duration);
+  }
+  bool contacts_are_to_form(const Pace& pace) const { return contacts_at_rest() > 2 * static_cast<double>(pace.contacts); }
+  /// Processor time of the run [s], where no sample was settled.
+  double time_without_sample(const Pace& pace) const {
+    const double at_this_pace = pace.per_step() * static_cast<double>(steps_);
+    return contacts_are_to_form(pace) ? std::max(at_this_pace, guess()) : at_this_pace;
   }
 
   /// Bodies that move at a time, if none leaves.
@@ -221,24 +198,21 @@ class Estimates {
 
   void add_time(const Pace& pace) {
     if (bed_) return add_time_of_bed(pace);
-    const double at_this_pace = pace.per_step() * static_cast<double>(steps_);
-    if (is_asked_) {
-      estimate_ = guess();
+    estimate_ = time_without_sample(pace);
+    if (contacts_are_to_form(pace)) {
       line("wall time",
            fmt::format("about {} ({} to {}): {:.3g} us a step as now, {:.3g} us once all lie in a bed, with about {:.0f} contacts",
                        format_duration(estimate_), format_duration(estimate_ / kSpread), format_duration(estimate_ * kSpread),
                        1e6 * pace.per_step(), 1e6 * usual_cost() * bodies_at(settings_.duration), contacts_at_rest()));
-      line("", fmt::format("from the usual cost of a body in a bed, {:.3g} us a step: no sample of the bed was settled, with this step it "
-                           "would take longer than the {:.0f} s that a plan may take",
-                           1e6 * usual_cost(), sample_budget()));
+      const std::string no_sample =
+          is_asked_ ? fmt::format(
+                          ": no sample of the bed was settled, with this step it would take longer than the {:.0f} s that a plan may take",
+                          sample_budget())
+                    : "";
+      line("", fmt::format("from the usual cost of a body in a bed, {:.3g} us a step{}", 1e6 * usual_cost(), no_sample));
     } else {
-      estimate_ = at_this_pace;
       line("wall time", fmt::format("about {} at the pace of {} steps that were just made ({:.3g} us a step, {} contacts)",
                                     format_duration(estimate_), pace.steps, 1e6 * pace.per_step(), pace.contacts));
-      if (contacts_at_rest() > 2 * static_cast<double>(pace.contacts))
-        line("", fmt::format("a heap of all bodies has about {:.0f} contacts, and steps take several times as long then: the run about {}, "
-                             "from the usual cost of a body there",
-                             contacts_at_rest(), format_duration(std::max(estimate_, guess()))));
     }
     add_load(pace);
     add_cores();
@@ -285,6 +259,14 @@ class Estimates {
       line("", fmt::format("{} cores are used, so few bodies keep {} busy: OMP_NUM_THREADS={} and no mpirun", used, busy, busy));
   }
 
+  /// Of walls with a load map.
+  double triangles_with_loads() const {
+    double all = 0;
+    for (const Wall& wall : scene_.walls)
+      if (wall.load_map) all += static_cast<double>(scene_.shapes[static_cast<std::size_t>(wall.shape)].mesh.triangle_count());
+    return all;
+  }
+
   void add_disk(const Pace& pace) {
     const double frames = settings_.output_every > 0 ? std::floor(settings_.duration / settings_.output_every) + 1 : 101;
     const double fixed = static_cast<double>(scene_.bodies.size() - masses_.size()), bodies = fixed + mean_bodies();
@@ -297,12 +279,14 @@ class Estimates {
     const double share = of_bodies * (settings_.duration > 0 ? 1 - std::min(1.0, fall / (2 * settings_.duration)) : 1);
     const double walls = static_cast<double>(scene_.walls.size());
     const double log = frames * kRowsPerFrame * (kLogRow + 200 * walls);
-    const double checkpoint = kCheckpointOverhead + kCheckpointBody * (fixed + bodies_at(settings_.duration)) + kCheckpointSpring * at_rest;
-    line("disk",
-         fmt::format("about {}: {:.0f} frames of {}{}, log {}, two checkpoints of {}, the scene {}",
-                     bytes_text(frames * (bare + share * (full - bare)) + log + 2 * checkpoint + scene_bytes_), frames, bytes_text(bare),
-                     full > bare ? fmt::format(" ({} once {:.0f} contacts have formed)", bytes_text(full), at_rest) : "", bytes_text(log),
-                     bytes_text(checkpoint), bytes_text(scene_bytes_)));
+    const double triangles = triangles_with_loads(), loads = triangles > 0 ? kLoadOverhead + kLoadInFrame * triangles : 0;
+    const double checkpoint = kCheckpointOverhead + kCheckpointBody * (fixed + bodies_at(settings_.duration)) +
+                              kCheckpointSpring * at_rest + kLoadInCheckpoint * triangles;
+    line("disk", fmt::format("about {}: {:.0f} frames of {}{}, log {}, two checkpoints of {}, the scene {}",
+                             bytes_text(frames * (bare + loads + share * (full - bare)) + log + 2 * checkpoint + scene_bytes_), frames,
+                             bytes_text(bare + loads),
+                             full > bare ? fmt::format(" ({} once {:.0f} contacts have formed)", bytes_text(full + loads), at_rest) : "",
+                             bytes_text(log), bytes_text(checkpoint), bytes_text(scene_bytes_)));
     if (full > 1.5 * bare) line("", fmt::format("output.contacts = false makes frames {:.1f} times smaller", full / bare));
   }
 
