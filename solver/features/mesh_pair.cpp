@@ -5,10 +5,10 @@
 #include <cmath>
 #include <utility>
 
+#include "core/geometry/nearest_on_triangle.hpp"
 #include "solver/features/candidate_slack.hpp"
 #include "solver/features/due_candidates.hpp"
 #include "solver/features/edge_features.hpp"
-#include "core/geometry/nearest_on_triangle.hpp"
 
 namespace scree {
 
