@@ -3,7 +3,7 @@
 # usage: cases_test.sh RUNNER BIN SCRATCH CASE    "--list" in place of RUNNER prints the cases
 set -euo pipefail
 cases=(hopper column repose drum conveyor triaxial critical-state compression shear-flow flow-function press mill screen sticky granuheap impact silo crater crush brazilian beam rockfall granite unbroken
-  shape-dial dice tube heated-drum heated-bed fluidised drum-sweep)
+  shape-dial dice tube coater mixer shear-box heated-drum heated-bed fluidised drum-sweep)
 if [[ $1 == --list ]]; then printf '%s;' "${cases[@]}"; exit 0; fi
 runner=$1; export SCREE_BIN=$2; scratch=$3/$4
 rm -rf "$scratch"; mkdir -p "$scratch"
@@ -40,6 +40,21 @@ case $4 in
     holds conveyor/conveyor.md "| load of belt 1 | "
     there conveyor/conveyor.png
     page conveyor/conveyor-small; resumes conveyor/conveyor-small ;;
+  coater)
+    run coater
+    holds coater/coating.md "CV falls as t^-n with n = "
+    charts coater/coating
+    page coater/coater-small; resumes coater/coater-small ;;
+  mixer)
+    run mixer
+    holds mixer/mixer.md "^| 60 rpm | 0.5 |  | 0\\.[0-9]* |"
+    charts mixer/mixer
+    page mixer/mixer-small; resumes mixer/mixer-small ;;
+  shear-box)
+    run shear-box
+    holds shear-box/shear-box.md "^| 50 kPa | [1-9][0-9.]* kPa | [1-9][0-9.]* kPa | [1-9][0-9.]* degrees "
+    charts shear-box/shear-box
+    page shear-box/shear-box-small; resumes shear-box/shear-box-small ;;
   triaxial)
     run triaxial
     holds triaxial/triaxial.md "sheared by"  # pressed, and the page says how far it got
