@@ -192,19 +192,21 @@ CommandResult pack_command(const PackOptions& options, const std::vector<std::st
       fmt::format("{}: {} of {}, {}, {} draws\n", options.output, counted(std::ssize(scene.bodies), "body", "bodies"),
                   counted(std::ssize(shapes), "shape", "shapes"), counted(std::ssize(scene.walls), "wall", "walls"), report.attempts);
   for (std::size_t k = 0; k < report.solid_fraction.size(); ++k) {
-    std::size_t count = 0;
-    for (std::int32_t p : scene.bodies.population) count += p == static_cast<std::int32_t>(k) ? 1 : 0;
-    result.output += fmt::format("population {:<7} {} bodies, solid fraction {:.4f} of its region\n", k, count, report.solid_fraction[k]);
+    const auto count = std::count(scene.bodies.population.begin(), scene.bodies.population.end(), static_cast<std::int32_t>(k));
+    const auto whole = std::ssize(report.diameters[k]);
+    result.output += fmt::format("population {:<7} {}, solid fraction {:.4f} of its region\n", k,
+                                 count == whole ? fmt::format("{} bodies", count) : fmt::format("{} bodies in {} pieces", whole, count),
+                                 report.solid_fraction[k]);
   }
   if (packed.start) result.output += start_line(scene, *packed.start);
   result.output += solid_fraction_line(report.particle_volume, report.container_volume);
   result.output += margin_line(scene.settings, report);
   result.output += roundings_text(report);
   result.output += facets_text(report);
-  result.output += sizes_text(c, scene);
+  result.output += sizes_text(c, report);
   if (!options.sizes.empty()) {
-    h5::write_text_file(options.sizes + ".csv", sizes_table(c, scene));
-    h5::write_text_file(options.sizes + ".svg", sizes_chart(c, scene));
+    h5::write_text_file(options.sizes + ".csv", sizes_table(c, report));
+    h5::write_text_file(options.sizes + ".svg", sizes_chart(c, report));
     result.output += fmt::format("sizes              {}.csv, {}.svg\n", options.sizes, options.sizes);
   }
   if (options.ranks > 0) result.output += partition_line(scene);

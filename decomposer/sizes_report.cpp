@@ -9,25 +9,13 @@ namespace scree {
 
 namespace {
 
-/// Sorted diameters of the bodies of a population.
-std::vector<double> diameters_of(const Scene& scene, std::size_t population) {
-  std::vector<double> diameters;
-  const BodyTable& b = scene.bodies;
-  for (std::size_t i = 0; i < b.size(); ++i) {
-    if (b.population[i] != static_cast<std::int32_t>(population)) continue;
-    diameters.push_back(b.scale[i] * scene.shapes[static_cast<std::size_t>(b.shape[i])].equivalent_diameter());
-  }
-  std::sort(diameters.begin(), diameters.end());
-  return diameters;
-}
-
 /// Calls visit(population, distribution, diameters) for each population that has sizes to compare.
 template <class Visit>
-void for_each_sized(const Case& c, const Scene& scene, Visit&& visit) {
+void for_each_sized(const Case& c, const PackingReport& report, Visit&& visit) {
   for (std::size_t k = 0; k < c.populations.size(); ++k) {
     const CasePopulation& p = c.populations[k];
     if (!p.size || !(p.size->min < p.size->max)) continue;
-    const std::vector<double> diameters = diameters_of(scene, k);
+    const std::vector<double>& diameters = report.diameters[k];
     if (!diameters.empty()) visit(k, *p.size, diameters);
   }
 }
@@ -48,9 +36,9 @@ void for_each_row(const SizeDistribution& d, const std::vector<double>& diameter
 
 }  // namespace
 
-std::string sizes_text(const Case& c, const Scene& scene) {
+std::string sizes_text(const Case& c, const PackingReport& report) {
   std::string text;
-  for_each_sized(c, scene, [&](std::size_t k, const SizeDistribution& d, const std::vector<double>& diameters) {
+  for_each_sized(c, report, [&](std::size_t k, const SizeDistribution& d, const std::vector<double>& diameters) {
     const SizeComparison s = compare_sizes(d, diameters);
     const auto metres = [](double value) { return format_quantity(value, Dimension::length); };
     text += fmt::format(
@@ -67,9 +55,9 @@ std::string sizes_text(const Case& c, const Scene& scene) {
   return text;
 }
 
-std::string sizes_table(const Case& c, const Scene& scene) {
+std::string sizes_table(const Case& c, const PackingReport& report) {
   std::string text = "population,by,diameter,asked,got\n";
-  for_each_sized(c, scene, [&](std::size_t k, const SizeDistribution& d, const std::vector<double>& diameters) {
+  for_each_sized(c, report, [&](std::size_t k, const SizeDistribution& d, const std::vector<double>& diameters) {
     for_each_row(d, diameters, [&](double x, double asked, double got) {
       text += fmt::format("{},{},{:.6g},{:.6f},{:.6f}\n", k, measure_of(d), x, asked, got);
     });
@@ -77,14 +65,14 @@ std::string sizes_table(const Case& c, const Scene& scene) {
   return text;
 }
 
-std::string sizes_chart(const Case& c, const Scene& scene) {
+std::string sizes_chart(const Case& c, const PackingReport& report) {
   LineChart chart;
   chart.title = "Requested and obtained sizes";
   chart.x_label = "diameter of the sphere of equal volume";
   chart.x_unit = std::string(1, 'm');
   chart.y_label = "share that is finer";
   chart.from_zero = true;
-  for_each_sized(c, scene, [&](std::size_t k, const SizeDistribution& d, const std::vector<double>& diameters) {
+  for_each_sized(c, report, [&](std::size_t k, const SizeDistribution& d, const std::vector<double>& diameters) {
     ChartLine asked, got;
     asked.name = fmt::format("population {} requested, by {}", k, measure_of(d));
     got.name = fmt::format("population {} got", k);

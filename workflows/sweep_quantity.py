@@ -138,9 +138,13 @@ def of_walls(run, statistics):
     for key in walls:
         mine = [row for row in rows if row["wall"] in (key, key.partition(" ")[0])]
         for name, unit in OF_LOADS.items():
-            values = [float(row[name]) for row in mine if row.get(name) not in (None, "", "nan")]
-            if values:   # what is worn off grows; the others are rates since the frame before
-                walls[key][name] = {"mean": values[-1] if name == "volume_worn" else sum(values) / len(values), "ci95": None, "unit": unit}
+            ends = [float(row["time"]) for row in mine]   # a row is of what passed since the frame before
+            lengths = [end - begin for begin, end in zip([statistics["first_time"], *ends], ends)]
+            found = [(lasts, float(row[name])) for lasts, row in zip(lengths, mine) if row.get(name) not in (None, "", "nan")]
+            whole = sum(lasts for lasts, _ in found)
+            if whole > 0:   # what is worn off grows; the others are rates between two frames, of which the last may be short
+                mean = found[-1][1] if name == "volume_worn" else sum(lasts * value for lasts, value in found) / whole
+                walls[key][name] = {"mean": mean, "ci95": None, "unit": unit}
     return walls
 
 

@@ -79,6 +79,7 @@ class Builder {
     add_placed(placed, parts_, placements, scene());
     add_forces();
     for (std::size_t s = 0; s < case_.shapes.size(); ++s) cut_here(s);
+    note_diameters();
     cut_bodies(case_, parts_, pieces_, scene(), report());
     check_outlets();
     check_cell();
@@ -128,6 +129,18 @@ class Builder {
   Scene& scene() { return out_.scene; }
   PackingReport& report() { return out_.report; }
 
+  /// Before bodies are cut into pieces.
+  void note_diameters() {
+    const BodyTable& b = scene().bodies;
+    report().diameters.resize(case_.populations.size());
+    for (std::size_t i = 0; i < b.size(); ++i) {
+      if (b.population[i] < 0 || b.population[i] >= static_cast<std::int32_t>(case_.populations.size())) continue;
+      report().diameters[static_cast<std::size_t>(b.population[i])].push_back(
+          b.scale[i] * scene().shapes[static_cast<std::size_t>(b.shape[i])].equivalent_diameter());
+    }
+    for (std::vector<double>& of_population : report().diameters) std::sort(of_population.begin(), of_population.end());
+  }
+
   // ---- bodies of a run ----
 
   void take_bodies_of_run() {
@@ -135,7 +148,9 @@ class Builder {
     carried.from = read_run(case_);
     if (!carried.from.scene.bonds.empty()) {
       throw InputError(
-          "{}: the run has {} bonds, which this case would not take over: its bodies would be loose; begin with a run without bonds",
+          "{}: the run has {} bonds, which this case would not take over, and which of them broke is not taken over either; begin with a "
+          "run "
+          "without [[bonds]]",
           case_.start->where, carried.from.scene.bonds.size());
     }
     if (case_.start->goes_on) go_on(case_, carried.from, report().notices);

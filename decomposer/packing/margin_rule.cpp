@@ -386,7 +386,7 @@ void MarginRule::find_depth() {
 
 /// The bodies that a margin by size is of, and a margin that is given or kept.
 void MarginRule::choose_sizes() {
-  sides_ = by_size_ && (has_wall_meshes_ || has_balls_) ? 1 : 2;
+  sides_ = by_size_ && !from_touch_ && (has_wall_meshes_ || has_balls_) ? 1 : 2;  // balls alone: both press
   balls_on_fixed_ = meshes_.empty() && !fixed_meshes_.empty();
   const std::vector<MeshBody>& sized = balls_on_fixed_ ? fixed_meshes_ : meshes_;
   median_ = median_of(sized);

@@ -24,8 +24,10 @@ inline constexpr double kOverlapShare = 0.4;
 
 struct PackingReport {
   std::vector<double> solid_fraction;  ///< of each population in its region
-  double particle_volume = 0;          ///< of all moving and fixed bodies [m^3]
-  double container_volume = 0;         ///< of the first box, cylinder or sphere wall [m^3]; 0 when there is none
+  /// Of each population, of balls of equal volume, ascending [m]: of bodies that start as pieces those of the whole bodies.
+  std::vector<std::vector<double>> diameters;
+  double particle_volume = 0;   ///< of all moving and fixed bodies [m^3]
+  double container_volume = 0;  ///< of the first box, cylinder or sphere wall [m^3]; 0 when there is none
   std::uint64_t attempts = 0;
   double fastest_impact = 0;  ///< estimate [m/s]
   double impact_overlap = 0;  ///< that it makes of the heaviest body and the softest pair [m]

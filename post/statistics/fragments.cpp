@@ -55,8 +55,9 @@ FragmentNumbers numbers_of(const std::vector<Fragment>& fragments, const std::ve
   FragmentNumbers numbers;
   numbers.fragments = fragments.size();
   std::map<std::int64_t, double> largest;
-  double fine = 0, large = 0;
+  double fine = 0, large = 0, there = 0;
   for (const Fragment& f : fragments) {
+    there += f.mass;
     double& most = largest[f.parent];
     most = std::max(most, f.mass);
     const auto parent = parents.find(f.parent);
@@ -68,6 +69,7 @@ FragmentNumbers numbers_of(const std::vector<Fragment>& fragments, const std::ve
   if (total > 0) {
     numbers.largest_share = large / total;
     numbers.t10 = fine / total;
+    numbers.present = there / total;
   }
   return numbers;
 }
@@ -75,7 +77,7 @@ FragmentNumbers numbers_of(const std::vector<Fragment>& fragments, const std::ve
 std::string write_fragments(const Run& run, const std::string& path, const std::string& sizes) {
   if (run.scene.bonds.empty()) throw InputError("{}: the scene has no bonds, and nothing that could come apart", run.folder);
   OutputFile file(path);
-  file.add("time,bonds,fragments,largest_share,t10\n");
+  file.add("time,bonds,fragments,largest_share,t10,present\n");
   std::vector<Fragment> at_start, last;
   FragmentNumbers numbers;
   LongWork work("fragments", static_cast<double>(run.frames.size()));
@@ -85,7 +87,8 @@ std::string write_fragments(const Run& run, const std::string& path, const std::
     if (f == 0) at_start = fragments_of(run.scene, frame.bodies, all_bonds(run.scene));
     last = fragments_of(run.scene, frame.bodies, frame.bonds.bond);
     numbers = numbers_of(last, at_start);
-    file.add(fmt::format("{},{},{},{},{}\n", frame.time, frame.bonds.size(), numbers.fragments, numbers.largest_share, numbers.t10));
+    file.add(fmt::format("{},{},{},{},{},{}\n", frame.time, frame.bonds.size(), numbers.fragments, numbers.largest_share, numbers.t10,
+                         numbers.present));
   }
   file.commit();
   if (!sizes.empty()) {
@@ -94,8 +97,11 @@ std::string write_fragments(const Run& run, const std::string& path, const std::
     for (const Fragment& f : last) table.add(fmt::format("{},{},{},{},{}\n", f.id, f.parent, f.pieces, f.mass, f.diameter));
     table.commit();
   }
-  return fmt::format("{} fragments of {} bodies in the last frame; the largest of each has {:.3g} of its mass; t10 {:.3g}\n",
-                     numbers.fragments, at_start.size(), numbers.largest_share, numbers.t10);
+  constexpr double kAll = 1 - 1e-9;
+  return fmt::format(
+      "{} fragments of {} bodies in the last frame; the largest of each has {:.3g} of its mass; t10 {:.3g}{}\n", numbers.fragments,
+      at_start.size(), numbers.largest_share, numbers.t10,
+      numbers.present < kAll ? fmt::format("; {:.3g} of the mass has left, and counts as neither", 1 - numbers.present) : "");
 }
 
 }  // namespace scree

@@ -26,13 +26,13 @@ struct FragmentNumbers {
   std::size_t fragments = 0;
   double largest_share = 1;  ///< mass of the largest fragment of each parent over its own, mean of all parents by mass
   double t10 = 0;            ///< share of the mass in fragments of less than a tenth of the diameter of their parent
+  double present = 1;        ///< share of the mass that is there: what has left counts as neither of both
 };
 /// in   fragments, at_start   of the same scene
 FragmentNumbers numbers_of(const std::vector<Fragment>& fragments, const std::vector<Fragment>& at_start);
 
-/// time,bonds,fragments,largest_share,t10: one row a frame; and of the last frame id,parent,pieces,mass,diameter: one row a fragment.
-/// in   sizes   second table; empty: none
-/// Fails: InputError when the run has no bonds.
+/// time,bonds,fragments,largest_share,t10,present: one row a frame; and of the last frame id,parent,pieces,mass,diameter: one row a
+/// fragment. in   sizes   second table; empty: none Fails: InputError when the run has no bonds.
 std::string write_fragments(const Run& run, const std::string& path, const std::string& sizes);
 
 }  // namespace scree

@@ -56,6 +56,11 @@ TEST(Fragments, bodies_that_bonds_hold_are_one_fragment) {
   EXPECT_NEAR(numbers.largest_share, 4.0 / 5, 1e-14);
   EXPECT_EQ(numbers.t10, 0);
   EXPECT_NEAR(numbers_of(whole, whole).largest_share, 1, 1e-14);
+  EXPECT_NEAR(numbers.present, 1, 1e-14);
+  // the largest piece has left: it is none of those that are there, and the share says so
+  const FragmentNumbers rest = numbers_of({split[1], split[2]}, whole);
+  EXPECT_NEAR(rest.present, 3.0 / 5, 1e-14);
+  EXPECT_NEAR(rest.largest_share, 3.0 / 5, 1e-14);
 }
 
 TEST(Fragments, what_is_finer_than_a_tenth_of_its_parent_counts_in_t10) {

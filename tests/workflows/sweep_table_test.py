@@ -79,12 +79,12 @@ for word, says in (("torqe_y", "did you mean 'torque_y'?"), ("mixing", "there ar
     else:
         raise AssertionError(f"{word} was accepted")
 
-statistics = {"groups": {"all": {"mass": {"mean": 1.0, "ci95": None, "unit": "kg"}}},
+statistics = {"first_time": 1.0, "groups": {"all": {"mass": {"mean": 1.0, "ci95": None, "unit": "kg"}}},
               "walls": {"7 drum": {"power": {"mean": 3.0, "ci95": 0.1, "unit": "W"}}, "8": {"power": {"mean": 0.0, "ci95": None, "unit": "W"}}}}
 (SCRATCH / "r0.statistics/wall_loads.csv").write_text("time,wall,sliding_power,damping_power,contact_rate,impact_power,volume_worn\n"
-                                                      "# units: s,-,W,W,1/s,W,m^3\n0,7,1,0,0,0,1e-9\n1,7,3,0,0,0,2e-9\n")
+                                                      "# units: s,-,W,W,1/s,W,m^3\n1.75,7,1,0,0,0,1e-9\n2,7,3,0,0,0,2e-9\n")   # 0.75 and 0.25 s
 at = str(SCRATCH / "r0")
-for word, mean in (("mass", 1.0), ("power", 3.0), ("power@drum", 3.0), ("power@8", 0.0), ("sliding_power@drum", 2.0), ("volume_worn", 2e-9),
+for word, mean in (("mass", 1.0), ("power", 3.0), ("power@drum", 3.0), ("power@8", 0.0), ("sliding_power@drum", 1.5), ("volume_worn", 2e-9),
                    (f"{SCRATCH}/mine.py:ratio", 2.5)):
     assert entry_of(word, at, statistics)["mean"] == mean, word
 statistics["walls"]["8"]["power"]["mean"] = 1.0

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What each tablet gets of the spray, frame by frame. usage: coating.py TABLE.md CHART.svg CHART.png RADIUS HEIGHT CUP NAME
 
-The spray is a bundle of parallel rays around the axis of the pan, across the slope of the bed. The first tablet on a ray gets what the ray carries in
+The spray is a flat fan, as those of pans are: parallel rays across the slope of the bed, in a strip below the axis of the pan over its whole length. The first tablet on a ray gets what the ray carries in
 a frame: mass is counted in seconds of one ray's flow. A tablet is taken for the ellipsoid of its axes. The interval is that of 400 draws of
 tablets (bootstrap).
 """
@@ -22,8 +22,8 @@ from run_record import case_of, record_of, si  # noqa: E402
 TABLE, SVG, PNG, RADIUS, HEIGHT, CUP, NAME = sys.argv[1:]
 AXES = np.array([si(RADIUS), si(RADIUS), si(HEIGHT) / 2 + si(CUP)])   # half axes of a tablet
 SLOPE = np.radians(35)    # of the spray against the vertical: across the surface of the bed
-SPOT = 0.015              # radius of the spray [m], less than half of the slice
-ACROSS = 21               # rays on a diameter
+STRIP = 0.03              # width of the spray along the slope [m]
+APART = 0.0014            # of rays [m]: some thirty on a tablet
 SETTLED = 1.0             # [s]: the bed flows steadily
 record = record_of(NAME)
 case = case_of(record)
@@ -33,8 +33,7 @@ turn = 2 * np.pi / si(motion["rate"])
 length = si(case["domain"]["max"][1]) - si(case["domain"]["min"][1])
 down = -np.array([np.sin(SLOPE), 0, np.cos(SLOPE)])   # the pan turns about +y and lifts its bed on the side of -x
 along = np.array([np.cos(SLOPE), 0, -np.sin(SLOPE)])
-side = np.linspace(-SPOT, SPOT, ACROSS)
-rays = np.array([u * along + np.array([0, v, 0]) for u in side for v in side if u * u + v * v <= SPOT * SPOT])
+rays = np.array([u * along + np.array([0, v, 0]) for u in np.arange(-0.5 * STRIP, 0.5 * STRIP + 1e-9, APART) for v in np.arange(0, length - 1e-9, APART)])
 
 
 def first_on_each_ray(place, orientation):
