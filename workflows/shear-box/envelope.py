@@ -50,7 +50,7 @@ def smooth(way, values, width):
     return np.convolve(values, np.ones(n) / n, mode="valid")
 
 
-lines = ["| stress of the lid | normal stress on the plane | peak shear stress | peak friction angle | at a way of | at the end | lid rises |", "|---|---|---|---|---|---|---|"]
+lines = ["| stress of the lid | normal stress on the plane | peak shear stress | peak friction angle | at a way of | at the end | lid, at the end |", "|---|---|---|---|---|---|---|"]
 figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 3.6), layout="constrained")
 peaks = []
 for name, colour in zip(NAMES, COLOURS):
@@ -65,7 +65,7 @@ for name, colour in zip(NAMES, COLOURS):
     end = r["way"] > r["way"][-1] - 2e-3
     peaks.append((normal[top], shear[top]))
     lines.append(f"| {label} | {1e-3 * normal[top]:.1f} kPa | {1e-3 * shear[top]:.1f} kPa | {np.degrees(np.arctan2(shear[top], normal[top])):.1f} degrees | "
-                 f"{1e3 * (r['way'][top] + 0.5e-3):.1f} mm | {np.degrees(np.arctan2(r['shear'][end].mean(), r['normal'][end].mean())):.1f} degrees | {1e3 * r['rises'].max():.2f} mm |")
+                 f"{1e3 * (r['way'][top] + 0.5e-3):.1f} mm | {np.degrees(np.arctan2(r['shear'][end].mean(), r['normal'][end].mean())):.1f} degrees | {1e3 * r['rises'][-1]:+.2f} mm |")
     right.plot(1e-3 * normal[top], 1e-3 * shear[top], "o", color=colour, label=label)
 if len(peaks) > 2:
     x, y = 1e-3 * np.array(peaks).T
