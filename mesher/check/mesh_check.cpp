@@ -239,11 +239,15 @@ std::set<std::pair<std::int32_t, std::int32_t>> find_common_volumes(const Triang
   if (!undecided.empty())
     for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) members[at(component[at(t)])].push_back(t);
   std::set<std::pair<std::int32_t, std::int32_t>> seen;  // triangle, component
+  double work = 0;
   for (const CrossingPair& pair : undecided) {
     const std::int32_t a = component[at(pair.first)], b = component[at(pair.second)];
     if (common.contains(std::minmax(a, b))) continue;
-    if ((seen.emplace(pair.first, b).second && is_within(mesh, pair.first, members[at(b)])) ||
-        (seen.emplace(pair.second, a).second && is_within(mesh, pair.second, members[at(a)])))
+    work += static_cast<double>(members[at(a)].size() + members[at(b)].size());
+    if (work > kNestingWork)  // too many to tell: they count as before, as passing through each other
+      common.insert(std::minmax(a, b));
+    else if ((seen.emplace(pair.first, b).second && is_within(mesh, pair.first, members[at(b)])) ||
+             (seen.emplace(pair.second, a).second && is_within(mesh, pair.second, members[at(a)])))
       common.insert(std::minmax(a, b));
   }
   return common;
