@@ -620,17 +620,6 @@ void warn_of_attraction(const Case& c, const Scene& scene, const Movers& movers,
   }
 }
 
-/// What strikes as a whole is recorded piece by piece.
-void warn_of_impacts_of_pieces(const Scene& scene, std::vector<std::string>& warnings) {
-  const bool is_recorded =
-      scene.settings.output_impacts || std::any_of(scene.walls.begin(), scene.walls.end(), [](const Wall& wall) { return wall.load_map; });
-  if (!is_recorded || scene.bonds.empty()) return;
-  warnings.push_back(
-      "impact energies (output.impacts, load_map) of bonded bodies are those of the pieces that strike, each with its own mass: of a body "
-      "of n "
-      "equal pieces that strikes with one of them, about 1/n of its kinetic energy");
-}
-
 }  // namespace
 
 std::vector<std::string> warnings_of_case(const Case& c) {
@@ -659,7 +648,6 @@ std::vector<std::string> warnings_of_case(const Case& c, const SceneParts& parts
   warn_of_closed_walls(c, parts, scene, warnings);
   warn_of_margins(scene, report, warnings);
   warn_of_turns(c, parts, warnings);
-  warn_of_impacts_of_pieces(scene, warnings);
   if (scene.settings.heat && movers.largest > 0 && scene.settings.heat->gas_range > movers.largest) {
     warnings.push_back(
         fmt::format("heat.gas_range = {} is wider than the largest body ({}): pairs with other bodies between them would conduct, and "

@@ -5,8 +5,6 @@ namespace scree {
 Beginning beginning_of(const PairFeatures& features, const PairMotion& m, double friction_dt) {
   Beginning begins;
   if (!(friction_dt > 0)) return begins;
-  Vec3 force, torque, slip, at;
-  double speed = 0;
   for (const ContactFeature& f : features.list) {
     if (!(f.overlap > 0)) continue;
     const Vec3 velocity = m.v_a + cross(m.w_a, f.x) - m.pivot_v_b - cross(m.w_b, f.x - m.pivot_b);
@@ -14,20 +12,20 @@ Beginning beginning_of(const PairFeatures& features, const PairMotion& m, double
     // bodies drift by these velocities: one step before, the overlap was this much less
     if (f.overlap + vn * friction_dt > 0) return {};
     begins.overlaps += f.overlap;
-    speed += f.overlap * vn;
-    force += f.overlap * f.n;
-    torque += cross(f.x, f.overlap * f.n);
+    begins.speed += f.overlap * vn;
+    begins.force += f.overlap * f.n;
+    begins.torque += cross(f.x, f.overlap * f.n);
     Vec3 sliding = velocity;
     if (m.surface != nullptr) sliding -= m.surface->at(f.x);
-    slip += f.overlap * (sliding - dot(sliding, f.n) * f.n);
-    at += f.overlap * f.x;
+    begins.slip += f.overlap * (sliding - dot(sliding, f.n) * f.n);
+    begins.place += f.overlap * f.x;
   }
-  const double mobility = wrench_mobility(m, force, torque);
-  if (mobility > 0) begins.energy[kNormalImpact] = 0.5 * speed * speed / mobility;
-  const double slides = squared_length(slip);
+  const double mobility = wrench_mobility(m, begins.force, begins.torque);
+  if (mobility > 0) begins.energy[kNormalImpact] = 0.5 * begins.speed * begins.speed / mobility;
+  const double slides = squared_length(begins.slip);
   if (slides > 0) {
     // the mean slip, at the mean place: (s . s / o)^2 / (2 Q M^-1 Q) for the wrench Q of the force s at the place
-    const double along = wrench_mobility(m, slip, cross((1 / begins.overlaps) * at, slip));
+    const double along = wrench_mobility(m, begins.slip, cross((1 / begins.overlaps) * begins.place, begins.slip));
     const double power = slides / begins.overlaps;
     if (along > 0) begins.energy[kShearImpact] = 0.5 * power * power / along;
   }

@@ -6,54 +6,18 @@
 
 #include "core/base/index.hpp"
 #include "solver/contact/damping_share.hpp"
+#include "solver/effects/bonds/fragment_side.hpp"
 
 namespace scree {
 
 namespace {
 
-/// One side of a contact as a whole: a fragment, a body, or a wall, which does not move. World axes.
-struct Side {
-  std::int64_t kind = 0, id = 0;  ///< 0 fragment, 1 body, 2 wall
-  double inverse_mass = 0;        ///< [1/kg]
-  Mat3 inverse_inertia;           ///< about its centre [1/(kg m^2)]
-  Vec3 force, torque;             ///< elastic, about its centre
-  std::tuple<std::int64_t, std::int64_t> name() const { return {kind, id}; }
-};
-
 /// A pair that presses, with a fragment on one side at least.
 struct Pressing {
-  Side first, second;  ///< by name
+  FragmentSide first, second;  ///< by name
   PairKey key;
   double energy;  ///< [J]
 };
-
-/// R m R^T.
-Mat3 turned(const Mat3& r, const Mat3& m) { return r * m * transpose(r); }
-
-Side side_of(const ParticleSet& p, std::size_t i, const Vec3& force, const Vec3& torque) {
-  const Mat3 r = matrix_of(p.q[i]);
-  Side side;
-  side.force = force;
-  if (const BondedMass* bonded = p.bonded[i]; bonded != nullptr) {
-    side.id = bonded->fragment;
-    side.inverse_mass = bonded->inverse_mass;
-    side.inverse_inertia = turned(r, bonded->inverse_inertia);
-    side.torque = torque - cross(r * bonded->centre, force);
-    return side;
-  }
-  side.kind = 1;
-  side.id = p.id[i];
-  side.inverse_mass = p.inverse_mass[i];
-  const Vec3& w = p.inverse_inertia[i];
-  side.inverse_inertia = turned(r, Mat3{{Vec3{w.x, 0, 0}, Vec3{0, w.y, 0}, Vec3{0, 0, w.z}}});
-  side.torque = torque;
-  return side;
-}
-
-/// Inverse mass that a sum of wrenches moves, over the square of the sum of forces, times that square [N^2/kg].
-double mobility_of(const Side& like, const Vec3& force, const Vec3& torque) {
-  return like.inverse_mass * squared_length(force) + dot(torque, like.inverse_inertia * torque);
-}
 
 /// What several contacts of the same two make together.
 struct Together {
@@ -63,7 +27,7 @@ struct Together {
     energy += c.energy;
     size += length(c.first.force);
     int n = 0;
-    for (const Side* side : {&c.first, &c.second}) {
+    for (const FragmentSide* side : {&c.first, &c.second}) {
       force[n] += side->force;
       torque[n++] += side->torque;
     }
@@ -91,9 +55,7 @@ std::vector<Pressing> pressing_here(const RunState& s) {
     if (pair.b >= 0) {
       c.second = side_of(p, at(pair.b), -force, r.torque_b - r.dissipative_torque_b);
     } else {
-      c.second.kind = 2;
-      c.second.id = pair.key.b;  // all zones of a wall are one partner
-      c.second.force = -force;
+      c.second = side_of_wall(pair.key.b, -force);
     }
     if (c.second.name() < c.first.name()) std::swap(c.first, c.second);
     all.push_back(c);

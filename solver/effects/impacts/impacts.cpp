@@ -12,6 +12,7 @@
 #include "core/base/error.hpp"
 #include "core/storage/frame_file.hpp"
 #include "solver/contact/beginning.hpp"
+#include "solver/effects/bonds/shared_impact.hpp"
 #include "solver/ranks/exact_sum.hpp"
 #include "solver/state/run_state.hpp"
 
@@ -54,6 +55,12 @@ struct ImpactEntry {
   double stored_by_friction, stored_by_rolling;  ///< in springs [J]
   double yielded;                                ///< what its dent took in the step [J]
   std::array<double, kImpactParts> impact{};     ///< of a contact that begins [J]; 0: none
+};
+
+/// A piece that bonds hold begins to touch.
+struct BegunPiece {
+  std::size_t materials;  ///< row of ImpactTotals
+  BegunOnFragment begun;
 };
 
 constexpr double kHalfOctave = 0.5 * std::numbers::sqrt2;  // within the powers of two, as frexp() gives them: from .5 to 1
@@ -119,8 +126,16 @@ ImpactEntry impact_entry(const PairContact& c, std::size_t materials) {
   entry.stored_by_rolling = c.force.rolling_elastic;
   entry.stored_by_friction = c.force.tangential_elastic - c.force.rolling_elastic;
   entry.yielded = c.force.yielded;
-  entry.impact = beginning_of(c.features, c.motion, c.friction_dt).energy;
   return entry;
+}
+
+void add_impact(const std::array<double, kImpactParts>& energy, MaterialPairTotals& of) {
+  for (std::size_t k = 0; k < kImpactParts; ++k) {
+    if (!(energy[k] > 0)) continue;
+    ImpactBin& bin = of.bins[impact_bin(energy[k])];
+    ++bin.count[k];
+    bin.energy[k].add(energy[k]);
+  }
 }
 
 /// Adds the entries of the present forces to the totals.
@@ -149,12 +164,7 @@ void add_entries(const RunState& s, const std::vector<std::vector<ImpactEntry>>&
     }
     if (!events || !e.counts_here) return;
     if (e.yielded > 0) of.lost[kDampingLoss].add(e.yielded);
-    for (std::size_t k = 0; k < kImpactParts; ++k) {
-      if (!(e.impact[k] > 0)) continue;
-      ImpactBin& bin = of.bins[impact_bin(e.impact[k])];
-      ++bin.count[k];
-      bin.energy[k].add(e.impact[k]);
-    }
+    add_impact(e.impact, of);
   });
 }
 
@@ -237,10 +247,12 @@ void add_to_frame(const SolverScene& scene, const ImpactTotals& totals, Frame& f
 
 class Impacts : public Effect, public PairObserver {
  public:
-  explicit Impacts(const RunState& s) : totals_(material_pairs(s.scene.source().materials.size())), state_(s), entries_(most_threads()) {}
+  explicit Impacts(const RunState& s)
+      : totals_(material_pairs(s.scene.source().materials.size())), state_(s), entries_(most_threads()), begun_(most_threads()) {}
 
   void before_forces(RunState&) override {
     for (std::vector<ImpactEntry>& of_thread : entries_) of_thread.clear();
+    for (std::vector<BegunPiece>& of_thread : begun_) of_thread.clear();
   }
   PairObserver* observer() override { return this; }
   bool observes(const PairView&) const override { return true; }
@@ -251,9 +263,30 @@ class Impacts : public Effect, public PairObserver {
                                                 ? p.material[static_cast<std::size_t>(c.pair.b)]
                                                 : state_.scene.source().walls[static_cast<std::size_t>(c.view.zone->wall)].material);
     entries_[c.thread].push_back(impact_entry(c, material_pair(a, b)));
+    const Beginning begins = beginning_of(c.features, c.motion, c.friction_dt);
+    if (!c.motion.is_bonded()) {
+      entries_[c.thread].back().impact = begins.energy;
+    } else if (begins.overlaps > 0 && c.counts_here) {
+      begun_[c.thread].push_back({material_pair(a, b), begun_on_fragment(p, c, begins)});
+    }
   }
   void start(RunState& s) override { add_entries(s, entries_, 0.5 * s.clock.dt, false, totals_); }
   void after_kick(RunState& s) override { add_entries(s, entries_, s.clock.dt, true, totals_); }
+  /// Pieces that strike together are on any ranks.
+  void end_step(const StepParts& parts) override {
+    if (!parts.state.fragments) return;
+    std::vector<BegunOnFragment> begun;
+    std::vector<std::size_t> materials;
+    for (const std::vector<BegunPiece>& of_thread : begun_) {
+      for (const BegunPiece& piece : of_thread) {
+        begun.push_back(piece.begun);
+        materials.push_back(piece.materials);
+      }
+    }
+    const std::vector<ShareOfImpact> shares = share_impacts(parts.state, begun);
+    for (std::size_t n = 0; n < shares.size(); ++n)
+      if (shares[n].is_first) add_impact(shares[n].energy, totals_[materials[n]]);
+  }
   /// As for all that is dissipated (StepLevels::change).
   void on_step_change(RunState& s, double difference) override { add_entries(s, entries_, difference, false, totals_); }
 
@@ -294,6 +327,7 @@ class Impacts : public Effect, public PairObserver {
   ImpactTotals totals_;  // of this rank
   const RunState& state_;
   std::vector<std::vector<ImpactEntry>> entries_;  // of the present forces, by thread
+  std::vector<std::vector<BegunPiece>> begun_;
 };
 
 }  // namespace

@@ -16,8 +16,13 @@ namespace {
 
 /// Appends what the features of a contact do to the triangles of the wall.
 /// in   first_mapped   SolverScene::first_mapped of the wall
-void append_loads(const PairContact& c, std::int32_t first_mapped, std::vector<LoadEntry>& entries) {
+/// out  begun   takes what begins on a fragment
+void append_loads(const ParticleSet& p, const PairContact& c, std::int32_t first_mapped, std::vector<LoadEntry>& entries,
+                  std::vector<BegunOnFragment>& begun) {
   const Beginning begins = beginning_of(c.features, c.motion, c.friction_dt);
+  const bool is_of_fragment = c.motion.is_bonded() && begins.overlaps > 0;
+  const auto place = is_of_fragment ? static_cast<std::int32_t>(begun.size()) : -1;
+  if (is_of_fragment) begun.push_back(begun_on_fragment(p, c, begins));
   thread_local std::vector<std::int32_t> triangles;
   for (std::size_t j = 0; j < c.features.list.size(); ++j) {
     const ContactFeature& f = c.features.list[j];
@@ -34,7 +39,8 @@ void append_loads(const PairContact& c, std::int32_t first_mapped, std::vector<L
     entry.damping = (share * out.damping) * (c.a_to_world * f.n);
     entry.slid = share * out.slid;
     entry.contacts = part;
-    entry.impact = part * begins.energy[kNormalImpact];
+    entry.impact = is_of_fragment ? part : part * begins.energy[kNormalImpact];
+    entry.begun = place;
     for (const std::int32_t t : triangles) {
       entry.triangle = first_mapped + t;
       entries.push_back(entry);
@@ -59,7 +65,7 @@ void add_entries(const RunState& s, const std::vector<LoadEntry>& entries, doubl
     if (e.slid > 0) at[kSlidingWork].add(e.slid);
     if (!(e.contacts > 0)) continue;
     at[kContacts].add(e.contacts);
-    at[kImpactEnergy].add(e.impact);
+    if (e.begun < 0) at[kImpactEnergy].add(e.impact);
   }
 }
 
@@ -130,12 +136,13 @@ void add_to_frame(const SolverScene& scene, const LoadMap& map, FrameLoads& load
 
 }  // namespace
 
-LoadMaps::LoadMaps(const RunState& s) : scene_(s.scene), entries_(most_threads()) {
+LoadMaps::LoadMaps(const RunState& s) : state_(s), scene_(s.scene), entries_(most_threads()), begun_(most_threads()) {
   map_.triangles.resize(static_cast<std::size_t>(s.scene.mapped_triangles()));
 }
 
 void LoadMaps::before_forces(RunState&) {
   for (std::vector<LoadEntry>& of_thread : entries_) of_thread.clear();
+  for (std::vector<BegunOnFragment>& of_thread : begun_) of_thread.clear();
 }
 
 bool LoadMaps::observes(const PairView& view) const {
@@ -143,7 +150,7 @@ bool LoadMaps::observes(const PairView& view) const {
 }
 
 void LoadMaps::observe(const PairContact& c) {
-  append_loads(c, scene_.first_mapped(static_cast<std::size_t>(c.view.zone->wall)), entries_[c.thread]);
+  append_loads(state_.particles, c, scene_.first_mapped(static_cast<std::size_t>(c.view.zone->wall)), entries_[c.thread], begun_[c.thread]);
 }
 
 void LoadMaps::start(RunState& s) {
@@ -152,6 +159,25 @@ void LoadMaps::start(RunState& s) {
 
 void LoadMaps::after_kick(RunState& s) {
   for (const std::vector<LoadEntry>& of_thread : entries_) add_entries(s, of_thread, s.clock.dt, true, map_);
+}
+
+/// Pieces of one fragment strike together, on any ranks.
+void LoadMaps::end_step(const StepParts& parts) {
+  if (!parts.state.fragments) return;
+  std::vector<BegunOnFragment> all;
+  std::vector<std::size_t> first;  // of each thread
+  for (const std::vector<BegunOnFragment>& of_thread : begun_) {
+    first.push_back(all.size());
+    all.insert(all.end(), of_thread.begin(), of_thread.end());
+  }
+  const std::vector<ShareOfImpact> shares = share_impacts(parts.state, all);
+  for (std::size_t thread = 0; thread < entries_.size(); ++thread) {
+    for (const LoadEntry& e : entries_[thread]) {
+      if (e.begun < 0 || !(e.impact > 0)) continue;
+      const ShareOfImpact& of = shares[first[thread] + static_cast<std::size_t>(e.begun)];
+      map_.triangles[static_cast<std::size_t>(e.triangle)][kImpactEnergy].add(e.impact * of.share * of.energy[kNormalImpact]);
+    }
+  }
 }
 
 LoadMap LoadMaps::of_all_ranks(const RunState& s) const {

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "core/geometry/vec3.hpp"
+#include "solver/effects/bonds/shared_impact.hpp"
 #include "solver/ranks/exact_sum.hpp"
 #include "solver/state/effect.hpp"
 
@@ -53,7 +54,8 @@ struct LoadEntry {
   Vec3 arm;                         ///< of the contact from the body's centre [m]
   Vec3 damping;                     ///< what of the force on the body is damping along the normal [N]
   double slid = 0;                  ///< [J]
-  double contacts = 0, impact = 0;  ///< [-], [J]
+  double contacts = 0, impact = 0;  ///< [-], [J]; of a piece that bonds hold, what it has of the impact of its fragment [-]
+  std::int32_t begun = -1;          ///< place among those that begin on a fragment in this thread; -1: none
 };
 
 /// The effect, for those that read the map: wear.
@@ -68,6 +70,7 @@ class LoadMaps : public Effect, public PairObserver {
   void observe(const PairContact& contact) override;
   void start(RunState& s) override;
   void after_kick(RunState& s) override;
+  void end_step(const StepParts& parts) override;
 
   EffectRecord record(const RunState& s) const override;
   void restore(RunState& s, const EffectRecord& record) override;
@@ -78,9 +81,11 @@ class LoadMaps : public Effect, public PairObserver {
   LoadMap of_all_ranks(const RunState& s) const;
 
  private:
+  const RunState& state_;
   const SolverScene& scene_;
   LoadMap map_;                                  // of this rank
   std::vector<std::vector<LoadEntry>> entries_;  // of the present forces, by thread
+  std::vector<std::vector<BegunOnFragment>> begun_;
 };
 
 EffectKind load_maps_effect();
