@@ -175,5 +175,68 @@ def mistakes_and_plan_are_told():
     assert "wrong.toml:" in said and "impacts" in said and "true or false" in said, said
 
 
+CUBE = """
+gravity = [0, 0, 0]
+[time]
+duration = "8 ms"
+[shapes.cube]
+file = "cube.shape.h5"
+PIECES
+[materials.stone]
+density = 2500
+[materials.steel]
+density = 7800
+[[pairs]]
+between = ["stone", "steel"]
+stiffness = "100 kN/m"
+restitution = 0.5
+FRICTION
+[[pairs]]
+between = ["stone", "stone"]
+stiffness = "100 kN/m"
+restitution = 0.5
+[contact]
+margin = "0.1 mm"
+surface = "outside"
+[[bodies]]
+shape = "cube"
+material = "stone"
+position = [0.013, -0.02, 0.0055]
+velocity = [ALONG, 0, -0.5]
+[[walls]]
+name = "deck"
+shape = { plate = { corner = [-0.5, -0.4, 0], side_a = [1, 0, 0], side_b = [0, 1, 0] } }
+material = "steel"
+load_map = true
+[output]
+every = "0.5 ms"
+impacts = true
+BONDS
+"""
+
+
+def pieces_that_strike_together_are_one_impact_of_the_whole_body():
+    """A cube of 2.5 g that lands flat with 0.5 m/s brings m v^2 / 2, whole or cut into cells, whatever ranks these are on; and as much along the wall."""
+    for words in (("generate", "box", "--size", "1 cm, 1 cm, 1 cm", "-o", "cube.shape.h5", "--name", "cube"),
+                  ("fracture", "cube.shape.h5", "--cells", "12", "--evenly", "--inset", "0.1 mm", "-o", "pieces.shape.h5")):
+        subprocess.run([os.path.join(BIN, "scree-mesher"), *words], check=True, env=ENV, capture_output=True)
+    energy = 0.5 * 2500 * 1e-6 * 0.5**2
+    for name, pieces, bonds, along in (("whole", "", "", 0), ("cut", 'pieces = "pieces.shape.h5"', '[[bonds]]\nwithin = "stone"\nyoung = "5 GPa"', 0),
+                                       ("slides", 'pieces = "pieces.shape.h5"', '[[bonds]]\nwithin = "stone"\nyoung = "5 GPa"', 0.3)):
+        pack(name, CUBE.replace("PIECES", pieces).replace("BONDS", bonds).replace("ALONG", str(along)).replace("FRICTION", "friction = 0.2" if along else ""))
+        for ranks in (1, 3):
+            folder = f"{name}{ranks}.run"
+            run(ranks, f"{name}.scene.h5", "-o", folder)
+            first = next(frame for frame in frames_of(folder, ("impacts", "loads")) if len(frame.get("impacts/normal_count", [])))
+            assert first["impacts/normal_count"].sum() == 1, (folder, first["impacts/normal_count"])
+            assert abs(first["impacts/normal_energy"].sum() / energy - 1) < 1e-6, (folder, first["impacts/normal_energy"].sum(), energy)
+            assert abs(first["loads/impact_energy"].sum() / energy - 1) < 1e-6, (folder, first["loads/impact_energy"].sum(), energy)
+            if along:   # the face does not roll: its mean slip is that of the centre, and half a cube above it turns it
+                # a force at the face moves the centre by 1 / m, and turns the cube by its lever of half a side: 1 / m + (a / 2)^2 / (m a^2 / 6)
+                expected = 0.5 * 2500 * 1e-6 * along**2 / (1 + 1.5)
+                assert abs(first["impacts/shear_energy"].sum() / expected - 1) < 0.03, (folder, first["impacts/shear_energy"].sum(), expected)
+        same_frames(frames_of(f"{name}1.run", ("impacts", "loads")), frames_of(f"{name}3.run", ("impacts", "loads")), "loads/impact_energy", "3 ranks")
+
+
 main([the_same_bits_on_any_ranks_and_threads_and_after_a_restart, all_losses_together_are_those_of_the_log, recording_changes_nothing_that_moves,
-      tables_and_report_say_it, mistakes_and_plan_are_told])
+      tables_and_report_say_it, pieces_that_strike_together_are_one_impact_of_the_whole_body, mistakes_and_plan_are_told])
