@@ -99,7 +99,7 @@ def momentum(trial):
         pulled = mass.sum() * gravity * frame.time
         scale = sum((mass * numpy.linalg.norm(f.velocity, axis=1)).sum() for f in run.frames) + numpy.abs(impulse).sum() + numpy.abs(pulled).sum()
         error = numpy.abs(now - first - pulled + impulse.sum(axis=0)).max()
-        require(error <= kSumRounding * scale, f"momentum at t = {frame.time:.6g} s is off by {error:.3g} N s, {error / scale:.3g} of what was exchanged: "
+        require(error <= kSumRounding * scale, f"momentum at t = {frame.time:.6g} s is off by {error:.3g} N s, {error / scale if scale > 0 else 0:.3g} of what was exchanged: "
                 f"{now.tolist()}, began with {first.tolist()}, gravity gave {pulled.tolist()}, walls took {impulse.sum(axis=0).tolist()}")
 
 
