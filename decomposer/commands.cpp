@@ -193,7 +193,7 @@ CommandResult pack_command(const PackOptions& options, const std::vector<std::st
                   counted(std::ssize(shapes), "shape", "shapes"), counted(std::ssize(scene.walls), "wall", "walls"), report.attempts);
   for (std::size_t k = 0; k < report.solid_fraction.size(); ++k) {
     const auto count = std::count(scene.bodies.population.begin(), scene.bodies.population.end(), static_cast<std::int32_t>(k));
-    const auto whole = std::ssize(report.diameters[k]);
+    const auto whole = k < report.diameters.size() ? std::ssize(report.diameters[k]) : 0;
     result.output += fmt::format("population {:<7} {}, solid fraction {:.4f} of its region\n", k,
                                  count == whole ? fmt::format("{} bodies", count) : fmt::format("{} bodies in {} pieces", whole, count),
                                  report.solid_fraction[k]);

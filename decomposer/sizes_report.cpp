@@ -14,7 +14,7 @@ template <class Visit>
 void for_each_sized(const Case& c, const PackingReport& report, Visit&& visit) {
   for (std::size_t k = 0; k < c.populations.size(); ++k) {
     const CasePopulation& p = c.populations[k];
-    if (!p.size || !(p.size->min < p.size->max)) continue;
+    if (k >= report.diameters.size() || !p.size || !(p.size->min < p.size->max)) continue;
     const std::vector<double>& diameters = report.diameters[k];
     if (!diameters.empty()) visit(k, *p.size, diameters);
   }

@@ -129,16 +129,18 @@ class Builder {
   Scene& scene() { return out_.scene; }
   PackingReport& report() { return out_.report; }
 
-  /// Before bodies are cut into pieces.
+  /// Before bodies are cut into pieces. A case that goes on where a run ended has no populations of its own, and the bodies of those of the
+  /// run.
   void note_diameters() {
     const BodyTable& b = scene().bodies;
-    report().diameters.resize(case_.populations.size());
+    std::vector<std::vector<double>>& diameters = report().diameters;
     for (std::size_t i = 0; i < b.size(); ++i) {
-      if (b.population[i] < 0 || b.population[i] >= static_cast<std::int32_t>(case_.populations.size())) continue;
-      report().diameters[static_cast<std::size_t>(b.population[i])].push_back(
-          b.scale[i] * scene().shapes[static_cast<std::size_t>(b.shape[i])].equivalent_diameter());
+      if (b.population[i] < 0) continue;
+      const auto k = static_cast<std::size_t>(b.population[i]);
+      if (k >= diameters.size()) diameters.resize(k + 1);
+      diameters[k].push_back(b.scale[i] * scene().shapes[static_cast<std::size_t>(b.shape[i])].equivalent_diameter());
     }
-    for (std::vector<double>& of_population : report().diameters) std::sort(of_population.begin(), of_population.end());
+    for (std::vector<double>& of_population : diameters) std::sort(of_population.begin(), of_population.end());
   }
 
   // ---- bodies of a run ----

@@ -24,7 +24,7 @@ inline constexpr double kOverlapShare = 0.4;
 
 struct PackingReport {
   std::vector<double> solid_fraction;  ///< of each population in its region
-  /// Of each population, of balls of equal volume, ascending [m]: of bodies that start as pieces those of the whole bodies.
+  /// Of each population that has bodies, of balls of equal volume, ascending [m]: of bodies that start as pieces those of the whole bodies.
   std::vector<std::vector<double>> diameters;
   double particle_volume = 0;   ///< of all moving and fixed bodies [m^3]
   double container_volume = 0;  ///< of the first box, cylinder or sphere wall [m^3]; 0 when there is none
