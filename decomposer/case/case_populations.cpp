@@ -273,7 +273,8 @@ void population_section(CaseKeys& k, Case& c) {
   if (p.jitter > 1) throw t->error("jitter", "expected a value from 0 to 1");
   amount_keys(k, p);
   size_key(k, p.size);
-  k.section({"region", kRequired, "holds the bodies wholly"}, [&](CaseKeys& below) { region_section(below, c, p.region); });
+  k.section({"region", kRequired, "holds the bodies wholly, by the surface that touches: sharp corners of the drawn one may stick out"},
+            [&](CaseKeys& below) { region_section(below, c, p.region); });
   orientation_key(k, p.orientation);
   k.vector({"velocity", "", "of all"}, p.velocity, Dimension::velocity);
   k.vector({"angular_velocity", "", "of all"}, p.angular_velocity, Dimension::angular_velocity);

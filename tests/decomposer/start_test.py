@@ -391,6 +391,13 @@ def a_case_goes_on_where_its_run_ended():
     said = go_on("fewer", 0.02, "first", more='leave_out = { sphere = { centre = [0.3, 0, 0], radius = "2 cm" } }\n', says=["5 bodies of ", "(1 left out)"])
     assert len(state_of(frames_of("fewer.run")[0])[0]["id"]) == 5 and outcome("fewer.run")["start"]["left_out"] == 1
     go_on("held", 0.02, "first", more='leave_out = { inside_wall = "drum" }\n', says=["2 bodies of ", "(4 left out)"])
+    # sizes of a population that goes on are those of its bodies
+    sized = MACHINE.replace("count = 4", 'count = 4\nsize = {{ distribution = "uniform", min = "8 mm", max = "10 mm" }}')
+    first = decompose(sized.format(duration=0.02, start="", rate=60), "sized", says=["4 bodies, solid fraction", "sizes 0"])
+    run(1, "sized.scene.h5", "-o", "sized.run")
+    again = decompose(sized.format(duration=0.02, start='[start]\nrun = "sized.run"\ncontinue = true\n', rate=60), "again", says=["sizes 0"])
+    sizes = [next(line for line in said.splitlines() if line.startswith("sizes 0")) for said in (first, again)]
+    assert sizes[0] == sizes[1], sizes
     # what does not go on
     go_on("all", 0.02, "first", more='leave_out = { box = [[-1, -1, -1], [1, 1, 1]] }\n', expect=2, says=["start.leave_out: all 6 bodies of "])
     go_on("frame", 0.02, "first", more="frame = 1\n", expect=2, says=["continue goes on from a checkpoint"])
