@@ -5,6 +5,7 @@ import os
 import numpy
 
 from bits import another_last_digit, same
+from near import speed_of
 from relations import NotApplicable, Refused, relation, require
 
 kRounding = 1e-13       # of places, velocities and turns: one conversion of units and frames
@@ -95,9 +96,9 @@ def begins_as_it_ended(trial, run, case, from_frame):
     for name in ("position", "velocity", "angular_velocity", "quat"):
         here, there = begin.bodies[name], end.bodies[name]
         lack = numpy.abs(here - there).max()
-        # of what the run has had: what has come to rest in a cell that deforms has the rounding of the velocity of the cell
-        largest = max(numpy.abs(frame.bodies[name]).max(initial=0) for frame in run.frames)
-        require(lack <= kRounding * max(largest, 1e-300), f"{name} begins {lack} away")
+        # what is at rest in a cell that deforms has the rounding of the velocity of the cell, which stands for the speed of the run
+        least = {"velocity": speed_of(run), "angular_velocity": speed_of(run) / run.scene.size()}.get(name, 1e-300)
+        require(lack <= kRounding * max(numpy.abs(there).max(), least), f"{name} begins {lack} away")
     masses = scene.masses()
     speed = max(numpy.linalg.norm(end.velocity, axis=1).max(), numpy.linalg.norm(end.spin, axis=1).max() * scene.radii().max())
     moving = masses.sum() * (numpy.linalg.norm(scene.general["gravity"]) + speed**2 / scene.size())
