@@ -65,10 +65,7 @@ std::int64_t refine_mesh(TriangleMesh& mesh, double edge_length, std::int64_t mo
     return UsageError("refine: edges of at most {:.4g} m need more than {} triangles; give a larger length", edge_length, most_triangles);
   };
   // no triangle of such edges is larger than the equilateral one: known before anything is split
-  double area = 0;
-  for (std::int32_t t = 0; t < mesh.triangle_count(); ++t)
-    area += 0.5 * length(cross(mesh.corner(t, 1) - mesh.corner(t, 0), mesh.corner(t, 2) - mesh.corner(t, 0)));
-  if (area > static_cast<double>(most_triangles) * 0.25 * std::sqrt(3.0) * longest2) throw too_many();
+  if (surface_area(mesh) > static_cast<double>(most_triangles) * 0.25 * std::sqrt(3.0) * longest2) throw too_many();
   std::int64_t splits = 0;
   for (;;) {
     const std::int64_t round = split_edges(mesh, [&](const Vec3& a, const Vec3& b) { return squared_length(b - a) > longest2; });

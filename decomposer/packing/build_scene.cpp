@@ -150,9 +150,8 @@ class Builder {
     carried.from = read_run(case_);
     if (!carried.from.scene.bonds.empty()) {
       throw InputError(
-          "{}: the run has {} bonds, which this case would not take over, and which of them broke is not taken over either; begin with a "
-          "run "
-          "without [[bonds]]",
+          "{}: the run has {} bonds, which this case would not take over, and which of them broke is not taken over either; begin with "
+          "a run without [[bonds]]",
           case_.start->where, carried.from.scene.bonds.size());
     }
     if (case_.start->goes_on) go_on(case_, carried.from, report().notices);

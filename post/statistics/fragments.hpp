@@ -32,7 +32,10 @@ struct FragmentNumbers {
 FragmentNumbers numbers_of(const std::vector<Fragment>& fragments, const std::vector<Fragment>& at_start);
 
 /// time,bonds,fragments,largest_share,t10,present: one row a frame; and of the last frame id,parent,pieces,mass,diameter: one row a
-/// fragment. in   sizes   second table; empty: none Fails: InputError when the run has no bonds.
+/// fragment.
+/// in   sizes   second table; empty: none
+///
+/// Fails: InputError when the run has no bonds.
 std::string write_fragments(const Run& run, const std::string& path, const std::string& sizes);
 
 }  // namespace scree
