@@ -9,10 +9,11 @@ namespace scree {
 
 /// Points spread evenly through a shape of scale 1, in its own axes; each stands for the same share of its volume.
 ///
-/// How: columns along z on a square grid, shifted from one to the next by the golden ratio so that no layer of points lines up
-/// with a plane; in each column points at equal distance between where it enters and leaves the shape.
-/// in   count   about how many (at least 1); what comes differs by some per cent
-/// Cost: O(columns x triangles), once per shape.   Limits: a mesh that is not closed gives what lies between pairs of hits.
+/// How: columns along z at the points of an even sequence of the plane (Roberts 2018), so that no wall of the shape lines up with
+/// them; one point for each equal share of the length that lies in the shape, at a height in its column from an even sequence.
+/// in   count   how many; 1 where the shape has no volume
+/// Cost: O(columns log columns + columns below triangles), once per shape; 8 columns a point, 4096 at least.   Limits: a mesh that is not
+/// closed gives what lies between pairs of hits.
 std::vector<Vec3> volume_samples(const Shape& shape, std::size_t count);
 
 }  // namespace scree

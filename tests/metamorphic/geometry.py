@@ -139,10 +139,15 @@ def body_samples(shape, scale, count=2000):
         points = radius[:, None] * numpy.column_stack([flat * numpy.cos(angle), flat * numpy.sin(angle), z])
     else:
         low, high = shape["vertices"].min(0), shape["vertices"].max(0)
-        k = numpy.arange(count) + 1.0
-        cube = numpy.column_stack([(k * x) % 1 for x in (0.8191725133961645, 0.6710436067037893, 0.5497004779019703)])
-        points = low + cube * (high - low)
-        points = points[point_in_solid(points, shape["vertices"][shape["triangles"]])] * scale
+        # until that many lie inside: a thin shape fills a small part of its box
+        sides, parts, inside, begun = shape["vertices"][shape["triangles"]], [], 0, 0
+        while inside < count and begun < 60 * count:
+            k = numpy.arange(begun, begun + count) + 1.0
+            cube = numpy.column_stack([(k * x) % 1 for x in (0.8191725133961645, 0.6710436067037893, 0.5497004779019703)])
+            points = low + cube * (high - low)
+            parts.append(points[point_in_solid(points, sides)])
+            inside, begun = inside + len(parts[-1]), begun + count
+        points = numpy.concatenate(parts) * scale
     volume = shape["volume"] * scale**3
     return points, volume / max(1, len(points))
 

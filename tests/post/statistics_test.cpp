@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -16,6 +17,7 @@
 #include "post/statistics/space_measures.hpp"
 #include "post/statistics/volume_samples.hpp"
 #include "tests/post/sample_run.hpp"
+#include "tests/support/shapes.hpp"
 
 namespace scree {
 namespace {
@@ -337,6 +339,36 @@ TEST(VolumeSamples, they_have_the_volume_of_any_part_of_a_ball_and_of_a_box) {
   EXPECT_NEAR(static_cast<double>(std::count_if(inside.begin(), inside.end(), [](const Vec3& q) { return q.z > 0.75; })) /
                   static_cast<double>(inside.size()),
               0.25, 0.02);
+}
+
+TEST(VolumeSamples, thin_walls_have_their_share_whatever_way_they_stand) {
+  // a square tube without ends, its walls 1/200 of its width: each wall is a quarter of the volume, each half of the height a half
+  constexpr double outer = 1, inner = 0.99;
+  const TriangleMesh diamond = test::revolved({{inner, -1}, {outer, -1}, {outer, 1}, {inner, 1}}, 4);
+  for (const double turn : {0.0, 0.1, kPi / 4, 1.0}) {
+    for (const bool lies : {false, true}) {
+      TriangleMesh tube = diamond;
+      for (Vec3& v : tube.vertices) {
+        v = {std::cos(turn) * v.x - std::sin(turn) * v.y, std::sin(turn) * v.x + std::cos(turn) * v.y, v.z};
+        if (lies) v = {v.z, v.x, v.y};
+      }
+      Shape shape = make_solid("tube", tube);
+      shape.mesh = tube;  // where it was drawn: its centre is there, and its axes need not be the principal ones
+      std::array<double, 4> walls{};
+      double above = 0;
+      const std::vector<Vec3> points = volume_samples(shape, 2000);
+      for (const Vec3& p : points) {
+        const Vec3 q = lies ? Vec3{p.y, p.z, p.x} : p;
+        const double angle = std::atan2(q.y, q.x) - turn + 4 * kPi;
+        walls[static_cast<std::size_t>(std::fmod(angle, 2 * kPi) / (kPi / 2)) % 4] += 1;
+        above += q.z > 0 ? 1 : 0;
+      }
+      const double all = static_cast<double>(points.size());
+      EXPECT_NEAR(all, 2000, 1);
+      for (const double share : walls) EXPECT_NEAR(share / all, 0.25, 0.02) << turn << ' ' << lies;
+      EXPECT_NEAR(above / all, 0.5, 0.02) << turn << ' ' << lies;
+    }
+  }
 }
 
 TEST(SpaceMeasures, a_cubic_lattice_fills_pi_over_six_of_bed_region_and_every_layer_by_the_balls_section) {
