@@ -17,7 +17,7 @@ constexpr double kStepX = 0.7548776662466927, kStepY = 0.5698402909980532, kStep
 double fraction(double x) { return x - std::floor(x); }
 
 /// A vertical line through a shape and the heights at which it crosses the surface, ascending.
-struct Column {
+struct Chord {
   double x = 0, y = 0;
   std::vector<double> heights;
   double length() const {
@@ -36,8 +36,8 @@ struct Column {
   }
 };
 
-std::vector<Column> columns_in(const Box3& box, std::size_t count) {
-  std::vector<Column> columns(count);
+std::vector<Chord> chords_in(const Box3& box, std::size_t count) {
+  std::vector<Chord> columns(count);
   for (std::size_t i = 0; i < count; ++i) {
     const double n = static_cast<double>(i) + 0.5;
     columns[i].x = box.lower.x + fraction(n * kStepX) * (box.upper.x - box.lower.x);
@@ -46,14 +46,14 @@ std::vector<Column> columns_in(const Box3& box, std::size_t count) {
   return columns;
 }
 
-void cross_sphere(double radius, std::vector<Column>& columns) {
-  for (Column& column : columns) {
+void cross_sphere(double radius, std::vector<Chord>& columns) {
+  for (Chord& column : columns) {
     const double square = radius * radius - column.x * column.x - column.y * column.y;
     if (square > 0) column.heights = {-std::sqrt(square), std::sqrt(square)};
   }
 }
 
-void cross_mesh(const TriangleMesh& mesh, std::vector<Column>& columns) {
+void cross_mesh(const TriangleMesh& mesh, std::vector<Chord>& columns) {
   std::vector<std::size_t> by_x(columns.size());
   for (std::size_t i = 0; i < by_x.size(); ++i) by_x[i] = i;
   std::sort(by_x.begin(), by_x.end(), [&](std::size_t i, std::size_t j) { return columns[i].x < columns[j].x; });
@@ -62,14 +62,14 @@ void cross_mesh(const TriangleMesh& mesh, std::vector<Column>& columns) {
     const double left = std::min({a.x, b.x, c.x}), right = std::max({a.x, b.x, c.x});
     auto next = std::lower_bound(by_x.begin(), by_x.end(), left, [&](std::size_t i, double x) { return columns[i].x < x; });
     for (; next != by_x.end() && columns[*next].x <= right; ++next) {
-      Column& column = columns[*next];
+      Chord& column = columns[*next];
       const auto side = [&](const Vec3& p, const Vec3& q) { return (q.x - p.x) * (column.y - p.y) - (q.y - p.y) * (column.x - p.x); };
       const double u = side(b, c), v = side(c, a), w = side(a, b);
       if (!((u > 0 && v > 0 && w > 0) || (u < 0 && v < 0 && w < 0))) continue;
       column.heights.push_back((u * a.z + v * b.z + w * c.z) / (u + v + w));
     }
   }
-  for (Column& column : columns) std::sort(column.heights.begin(), column.heights.end());
+  for (Chord& column : columns) std::sort(column.heights.begin(), column.heights.end());
 }
 
 }  // namespace
@@ -84,16 +84,16 @@ std::vector<Vec3> volume_samples(const Shape& shape, std::size_t count) {
     box.add(Vec3{-r, -r, -r});
     box.add(Vec3{r, r, r});
   }
-  std::vector<Column> columns = columns_in(box, std::max(kColumnsPerPoint * count, kMinColumns));
+  std::vector<Chord> columns = chords_in(box, std::max(kColumnsPerPoint * count, kMinColumns));
   ball ? cross_sphere(shape.sphere_radius, columns) : cross_mesh(shape.mesh, columns);
   double total = 0;
-  for (const Column& column : columns) total += column.length();
+  for (const Chord& column : columns) total += column.length();
   if (!(total > 0)) return {Vec3{}};
   const double share = total / static_cast<double>(count);
   std::vector<Vec3> points;
   points.reserve(count);
   double passed = 0;  // length of the columns before this one
-  for (const Column& column : columns) {
+  for (const Chord& column : columns) {
     const double length = column.length();
     passed += length;
     for (; points.size() < count && (static_cast<double>(points.size()) + 0.5) * share <= passed;)
