@@ -1,75 +1,73 @@
 #include "post/statistics/volume_samples.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace scree {
 
 namespace {
 
-/// Columns in proportion to points, and the least number of them: a wall with a thousandth of the outline's area is still hit.
-constexpr std::size_t kColumnsPerPoint = 8, kMinColumns = 4096;
+/// More points of the lattice are not looked at for one that is asked for: shapes that fill less of their box get fewer points.
+constexpr double kMostTried = 500;
 
-/// Steps of an even sequence in the plane and on the line, each from the root of x^{d+1} = x + 1 (M. Roberts 2018, "R2"):
-/// their multiples, less the whole part, leave no gap and have no direction of their own.
-constexpr double kStepX = 0.7548776662466927, kStepY = 0.5698402909980532, kStepZ = 0.6180339887498949;
+/// The roots of x^3 - x^2 - 2 x + 1: 2 cos(pi / 7), 2 cos(3 pi / 7), 2 cos(5 pi / 7).
+constexpr std::array<double, 3> kRoots = {1.8019377358048383, 0.44504186791262873, -1.2469796037174672};
+constexpr double kCell = 7;  ///< volume of a cell of the lattice: the root of the polynomial's discriminant
 
-double fraction(double x) { return x - std::floor(x); }
-
-/// A vertical line through a shape and the heights at which it crosses the surface, ascending.
-struct Chord {
-  double x = 0, y = 0;
-  std::vector<double> heights;
-  double length() const {
-    double sum = 0;
-    for (std::size_t k = 0; k + 1 < heights.size(); k += 2) sum += heights[k + 1] - heights[k];
-    return sum;
-  }
-  /// Height of the point with this length of the column's solid below it.
-  double height_of(double solid_below) const {
-    for (std::size_t k = 0; k + 1 < heights.size(); k += 2) {
-      const double part = heights[k + 1] - heights[k];
-      if (solid_below <= part || k + 3 >= heights.size()) return heights[k] + std::min(solid_below, part);
-      solid_below -= part;
+/// Points of the lattice of Frolov (1976): columns 1, r, r^2 for the three roots r. Flat cells of any thickness along the axes
+/// have their share of the points, since no product of the coordinates of two points' difference is below 1.
+std::vector<Vec3> lattice_in(const Box3& box, double size) {
+  const auto power = [&](int k) { return size * Vec3{std::pow(kRoots[0], k), std::pow(kRoots[1], k), std::pow(kRoots[2], k)}; };
+  const Vec3 first = power(0), second = power(1), third = power(2);
+  const Vec3 offset = 0.5 * (box.lower + box.upper) + size * Vec3{0.4871, 0.1357, 0.3253};  // no symmetry of the shape
+  const Box3 room{box.lower - offset, box.upper - offset};
+  const double volume = dot(first, cross(second, third));
+  /// Range of an integer over the box: its dual vector at the corners.
+  const auto range = [&](const Vec3& dual) {
+    double low = 0, high = 0;
+    for (int k = 0; k < 3; ++k) {
+      low += std::min(dual[k] * room.lower[k], dual[k] * room.upper[k]);
+      high += std::max(dual[k] * room.lower[k], dual[k] * room.upper[k]);
     }
-    return 0;
+    return std::array<double, 2>{std::ceil(low), std::floor(high)};
+  };
+  const auto thirds = range((1 / volume) * cross(first, second)), seconds = range((1 / volume) * cross(third, first));
+  std::vector<Vec3> points;
+  for (double c = thirds[0]; c <= thirds[1]; ++c) {
+    for (double b = seconds[0]; b <= seconds[1]; ++b) {
+      const Vec3 line = b * second + c * third;
+      double low = -1e308, high = 1e308;
+      for (int k = 0; k < 3; ++k) {
+        low = std::max(low, (room.lower[k] - line[k]) / size);
+        high = std::min(high, (room.upper[k] - line[k]) / size);
+      }
+      for (double a = std::ceil(low); a <= high; ++a) points.push_back(offset + a * first + line);
+    }
   }
-};
-
-std::vector<Chord> chords_in(const Box3& box, std::size_t count) {
-  std::vector<Chord> columns(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const double n = static_cast<double>(i) + 0.5;
-    columns[i].x = box.lower.x + fraction(n * kStepX) * (box.upper.x - box.lower.x);
-    columns[i].y = box.lower.y + fraction(n * kStepY) * (box.upper.y - box.lower.y);
-  }
-  return columns;
+  return points;
 }
 
-void cross_sphere(double radius, std::vector<Chord>& columns) {
-  for (Chord& column : columns) {
-    const double square = radius * radius - column.x * column.x - column.y * column.y;
-    if (square > 0) column.heights = {-std::sqrt(square), std::sqrt(square)};
-  }
-}
-
-void cross_mesh(const TriangleMesh& mesh, std::vector<Chord>& columns) {
-  std::vector<std::size_t> by_x(columns.size());
-  for (std::size_t i = 0; i < by_x.size(); ++i) by_x[i] = i;
-  std::sort(by_x.begin(), by_x.end(), [&](std::size_t i, std::size_t j) { return columns[i].x < columns[j].x; });
+/// Keeps the points with an odd number of crossings of the surface below them.
+void keep_inside(const TriangleMesh& mesh, std::vector<Vec3>& points) {
+  std::sort(points.begin(), points.end(), [](const Vec3& p, const Vec3& q) { return p.x < q.x; });
+  std::vector<bool> inside(points.size(), false);
   for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
     const Vec3 &a = mesh.corner(t, 0), &b = mesh.corner(t, 1), &c = mesh.corner(t, 2);
     const double left = std::min({a.x, b.x, c.x}), right = std::max({a.x, b.x, c.x});
-    auto next = std::lower_bound(by_x.begin(), by_x.end(), left, [&](std::size_t i, double x) { return columns[i].x < x; });
-    for (; next != by_x.end() && columns[*next].x <= right; ++next) {
-      Chord& column = columns[*next];
-      const auto side = [&](const Vec3& p, const Vec3& q) { return (q.x - p.x) * (column.y - p.y) - (q.y - p.y) * (column.x - p.x); };
+    const auto begin = std::lower_bound(points.begin(), points.end(), left, [](const Vec3& p, double x) { return p.x < x; });
+    for (auto i = static_cast<std::size_t>(begin - points.begin()); i < points.size() && points[i].x <= right; ++i) {
+      const Vec3& at = points[i];
+      const auto side = [&](const Vec3& p, const Vec3& q) { return (q.x - p.x) * (at.y - p.y) - (q.y - p.y) * (at.x - p.x); };
       const double u = side(b, c), v = side(c, a), w = side(a, b);
       if (!((u > 0 && v > 0 && w > 0) || (u < 0 && v < 0 && w < 0))) continue;
-      column.heights.push_back((u * a.z + v * b.z + w * c.z) / (u + v + w));
+      if ((u * a.z + v * b.z + w * c.z) / (u + v + w) < at.z) inside[i] = !inside[i];
     }
   }
-  for (Chord& column : columns) std::sort(column.heights.begin(), column.heights.end());
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (inside[i]) points[kept++] = points[i];
+  points.resize(kept);
 }
 
 }  // namespace
@@ -80,25 +78,16 @@ std::vector<Vec3> volume_samples(const Shape& shape, std::size_t count) {
   Box3 box = bounding_box(shape.mesh);
   if (ball) {
     const double r = shape.sphere_radius;
-    box = {};
-    box.add(Vec3{-r, -r, -r});
-    box.add(Vec3{r, r, r});
+    box = {{-r, -r, -r}, {r, r, r}};
   }
-  std::vector<Chord> columns = chords_in(box, std::max(kColumnsPerPoint * count, kMinColumns));
-  ball ? cross_sphere(shape.sphere_radius, columns) : cross_mesh(shape.mesh, columns);
-  double total = 0;
-  for (const Chord& column : columns) total += column.length();
-  if (!(total > 0)) return {Vec3{}};
-  const double share = total / static_cast<double>(count);
-  std::vector<Vec3> points;
-  points.reserve(count);
-  double passed = 0;  // length of the columns before this one
-  for (const Chord& column : columns) {
-    const double length = column.length();
-    passed += length;
-    for (; points.size() < count && (static_cast<double>(points.size()) + 0.5) * share <= passed;)
-      points.push_back({column.x, column.y, column.height_of(length * fraction((static_cast<double>(points.size()) + 0.5) * kStepZ))});
-  }
+  const double number = static_cast<double>(count), room = box.extent().x * box.extent().y * box.extent().z;
+  const double share = std::max(shape.mass.volume / number, room / (kMostTried * number));
+  std::vector<Vec3> points = lattice_in(box, std::cbrt(share / kCell));
+  if (ball)
+    std::erase_if(points, [&](const Vec3& p) { return !(dot(p, p) < shape.sphere_radius * shape.sphere_radius); });
+  else
+    keep_inside(shape.mesh, points);
+  if (points.empty()) return {Vec3{}};
   // their middle is the centre of mass
   Vec3 middle;
   for (const Vec3& p : points) middle += (1.0 / static_cast<double>(points.size())) * p;

@@ -9,11 +9,12 @@ namespace scree {
 
 /// Points spread evenly through a shape of scale 1, in its own axes; each stands for the same share of its volume.
 ///
-/// How: columns along z at the points of an even sequence of the plane (Roberts 2018), so that no wall of the shape lines up with
-/// them; one point for each equal share of the length that lies in the shape, at a height in its column from an even sequence.
-/// in   count   how many; 1 where the shape has no volume
-/// Cost: O(columns log columns + columns below triangles), once per shape; 8 columns a point, 4096 at least.   Limits: a mesh that is not
-/// closed gives what lies between pairs of hits.
+/// How: points of a lattice (K. K. Frolov 1976) in the box of the shape, those inside kept. No plane of the shape lines up with
+/// the lattice, so that walls much thinner than its spacing have their share of the points, too.
+/// in   count   about how many (at least 1); the number differs by some per cent, and is smaller where a shape fills less than
+///              1/500 of its box
+/// Cost: O(count / share of its box that the shape fills), each point against the triangles at its x; once per shape.
+/// Limits: of a mesh that is not closed, what has an odd number of crossings below it.
 std::vector<Vec3> volume_samples(const Shape& shape, std::size_t count);
 
 }  // namespace scree
