@@ -1,50 +1,27 @@
 #include "post/statistics/volume_samples.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <random>
 
 namespace scree {
 
 namespace {
 
-/// More points of the lattice are not looked at for one that is asked for: shapes that fill less of their box get fewer points.
+/// More cells are not looked at for one point that is asked for: shapes that fill less of their box get fewer points.
 constexpr double kMostTried = 500;
 
-/// The roots of x^3 - x^2 - 2 x + 1: 2 cos(pi / 7), 2 cos(3 pi / 7), 2 cos(5 pi / 7).
-constexpr std::array<double, 3> kRoots = {1.8019377358048383, 0.44504186791262873, -1.2469796037174672};
-constexpr double kCell = 7;  ///< volume of a cell of the lattice: the root of the polynomial's discriminant
-
-/// Points of the lattice of Frolov (1976): columns 1, r, r^2 for the three roots r. Flat cells of any thickness along the axes
-/// have their share of the points, since no product of the coordinates of two points' difference is below 1.
-std::vector<Vec3> lattice_in(const Box3& box, double size) {
-  const auto power = [&](int k) { return size * Vec3{std::pow(kRoots[0], k), std::pow(kRoots[1], k), std::pow(kRoots[2], k)}; };
-  const Vec3 first = power(0), second = power(1), third = power(2);
-  const Vec3 offset = 0.5 * (box.lower + box.upper) + size * Vec3{0.4871, 0.1357, 0.3253};  // no symmetry of the shape
-  const Box3 room{box.lower - offset, box.upper - offset};
-  const double volume = dot(first, cross(second, third));
-  /// Range of an integer over the box: its dual vector at the corners.
-  const auto range = [&](const Vec3& dual) {
-    double low = 0, high = 0;
-    for (int k = 0; k < 3; ++k) {
-      low += std::min(dual[k] * room.lower[k], dual[k] * room.upper[k]);
-      high += std::max(dual[k] * room.lower[k], dual[k] * room.upper[k]);
-    }
-    return std::array<double, 2>{std::ceil(low), std::floor(high)};
-  };
-  const auto thirds = range((1 / volume) * cross(first, second)), seconds = range((1 / volume) * cross(third, first));
+/// One point in each cube of a grid over the box, anywhere in its cube.
+std::vector<Vec3> scattered_in(const Box3& box, double size) {
+  std::mt19937_64 generator(1);  // the same points every time
+  const auto step = [&]() { return size * (static_cast<double>(generator() >> 11) * 0x1p-53); };
   std::vector<Vec3> points;
-  for (double c = thirds[0]; c <= thirds[1]; ++c) {
-    for (double b = seconds[0]; b <= seconds[1]; ++b) {
-      const Vec3 line = b * second + c * third;
-      double low = -1e308, high = 1e308;
-      for (int k = 0; k < 3; ++k) {
-        low = std::max(low, (room.lower[k] - line[k]) / size);
-        high = std::min(high, (room.upper[k] - line[k]) / size);
+  for (double x = box.lower.x; x < box.upper.x; x += size)
+    for (double y = box.lower.y; y < box.upper.y; y += size)
+      for (double z = box.lower.z; z < box.upper.z; z += size) {
+        const double a = step(), b = step(), c = step();
+        points.push_back({x + a, y + b, z + c});
       }
-      for (double a = std::ceil(low); a <= high; ++a) points.push_back(offset + a * first + line);
-    }
-  }
   return points;
 }
 
@@ -82,7 +59,7 @@ std::vector<Vec3> volume_samples(const Shape& shape, std::size_t count) {
   }
   const double number = static_cast<double>(count), room = box.extent().x * box.extent().y * box.extent().z;
   const double share = std::max(shape.mass.volume / number, room / (kMostTried * number));
-  std::vector<Vec3> points = lattice_in(box, std::cbrt(share / kCell));
+  std::vector<Vec3> points = scattered_in(box, std::cbrt(share));
   if (ball)
     std::erase_if(points, [&](const Vec3& p) { return !(dot(p, p) < shape.sphere_radius * shape.sphere_radius); });
   else

@@ -9,8 +9,8 @@ namespace scree {
 
 /// Points spread evenly through a shape of scale 1, in its own axes; each stands for the same share of its volume.
 ///
-/// How: points of a lattice (K. K. Frolov 1976) in the box of the shape, those inside kept. No plane of the shape lines up with
-/// the lattice, so that walls much thinner than its spacing have their share of the points, too.
+/// How: a grid of cubes over the box of the shape, a random point in each (stratified sampling), those inside kept. A grid alone
+/// would miss or double walls that are thinner than its spacing and line up with it.
 /// in   count   about how many (at least 1); the number differs by some per cent, and is smaller where a shape fills less than
 ///              1/500 of its box
 /// Cost: O(count / share of its box that the shape fills), each point against the triangles at its x; once per shape.
