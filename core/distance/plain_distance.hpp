@@ -10,10 +10,15 @@
 
 namespace scree {
 
-/// Squared distance of the segments p0 p1 and q0 q1 [m^2]. Segments that are nearly parallel may be given the distance at one of
-/// their ends.
+/// Nearest points of two bodies' parts and the square of their distance [m^2].
+struct PlainNearest {
+  Vec3 a, b;
+  double squared = 0;
+};
+
+/// Nearest points of the segments p0 p1 and q0 q1. Segments that are nearly parallel may be given points at one of their ends.
 /// Source: Ericson, Real-Time Collision Detection (2005), section 5.1.9.   Cost: O(1), branches.
-inline double squared_segment_distance(const Vec3& p0, const Vec3& p1, const Vec3& q0, const Vec3& q1) {
+inline PlainNearest nearest_of_segments(const Vec3& p0, const Vec3& p1, const Vec3& q0, const Vec3& q1) {
   const Vec3 u = p1 - p0, v = q1 - q0, w = p0 - q0;
   const double a = squared_length(u), e = squared_length(v), f = dot(v, w), c = dot(u, w), b = dot(u, v);
   const double denominator = a * e - b * b;
@@ -23,19 +28,26 @@ inline double squared_segment_distance(const Vec3& p0, const Vec3& p1, const Vec
     t = std::clamp(t, 0.0, 1.0);
     s = a > 0 ? std::clamp((b * t - c) / a, 0.0, 1.0) : 0.0;
   }
-  return squared_length(w + s * u - t * v);
+  return {p0 + s * u, q0 + t * v, squared_length(w + s * u - t * v)};
 }
 
-/// Distance of two triangles that have no common point [m]: the least of the distances of corners from triangles and of edges from
-/// edges.   Cost: 6 of the one, 9 of the other.
-inline double plain_triangle_distance(const Vec3 a[3], const Vec3 b[3]) {
-  double least = squared_length(a[0] - b[0]);
+/// Nearest points of two triangles that have no common point: the nearest of corners and triangles and of edges and edges; the first
+/// of equal ones.   Cost: 6 of the one, 9 of the other.
+inline PlainNearest nearest_of_triangles(const Vec3 a[3], const Vec3 b[3]) {
+  PlainNearest least{a[0], b[0], squared_length(a[0] - b[0])};
+  const auto take = [&](const PlainNearest& other) {
+    if (other.squared < least.squared) least = other;
+  };
   for (int i = 0; i < 3; ++i) {
-    least = std::min(least, squared_length(a[i] - nearest_on_triangle(a[i], b[0], b[1], b[2]).point));
-    least = std::min(least, squared_length(b[i] - nearest_on_triangle(b[i], a[0], a[1], a[2]).point));
-    for (int j = 0; j < 3; ++j) least = std::min(least, squared_segment_distance(a[i], a[(i + 1) % 3], b[j], b[(j + 1) % 3]));
+    const Vec3 on_b = nearest_on_triangle(a[i], b[0], b[1], b[2]).point, on_a = nearest_on_triangle(b[i], a[0], a[1], a[2]).point;
+    take({a[i], on_b, squared_length(a[i] - on_b)});
+    take({on_a, b[i], squared_length(b[i] - on_a)});
+    for (int j = 0; j < 3; ++j) take(nearest_of_segments(a[i], a[(i + 1) % 3], b[j], b[(j + 1) % 3]));
   }
-  return std::sqrt(least);
+  return least;
 }
+
+/// Distance of two triangles that have no common point [m].
+inline double plain_triangle_distance(const Vec3 a[3], const Vec3 b[3]) { return std::sqrt(nearest_of_triangles(a, b).squared); }
 
 }  // namespace scree
