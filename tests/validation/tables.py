@@ -27,7 +27,7 @@ GROUPS = {
     "A": "attraction", "J": "bonds", "Y": "bodies that sleep", "V": "bodies in valleys", "O": "beyond the maximum overlap", "H": "heat", "Z": "periodic cells",
     "P": "contacts that yield"}
 
-READING = """Tier U runs with every commit, tier N in the workflow, tier W (B and N6, at a small size) on demand. A body with facets is compared with
+READING = """Tier U runs in the tests (cases above ten seconds with the slow ones), tier N in the workflow, tier W (B and N6, at a small size) on demand. A body with facets is compared with
 the formula with its own mass and inertia; the error of the facets is listed separately. Mesh independence, ranks and features that are left
 out have no case here: see `docs/results/validation-demands.md`. Two requirements cannot be met for physical reasons: `docs/develop/decisions/010`.
 """
