@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/distance/plain_distance.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "solver/features/dual.hpp"
 
@@ -232,7 +233,11 @@ void area_features(const PairBody& a, const PairBody& b, double margin, double m
     Vec3 normal = normalised(triangle_normal(pb));
     // An open surface has two sides: the one counts on which the triangle of A lies, there where it is nearest. By the normals alone a
     // face of A that looks away, beside the edge on which A stands, would press on the far side of the surface.
-    if (b.shape->kind == ShapeKind::surface && dot(normal, triangle_distance(pa, pb).normal) < 0) normal = -normal;
+    if (b.shape->kind == ShapeKind::surface && !triangle_distance(pa, pb).intersecting) {
+      // not by the kernel's normal, whose sign beside an edge would depend on the instruction set
+      const PlainNearest nearest = nearest_of_triangles(pa, pb);
+      if (dot(normal, nearest.a - nearest.b) < 0) normal = -normal;
+    }
     FacingPair pair{candidate.edge_a, candidate.edge_b, {}};
     const std::size_t points = contact.points.size();
     add_layer(pa, {DualVec(pb[0]), DualVec(normal), pb}, margin, pair.sum, contact.points);
