@@ -9,7 +9,7 @@
 namespace scree {
 
 inline constexpr const char* kCheckpointFormat = "scree-checkpoint";
-inline constexpr std::int64_t kCheckpointFormatVersion = 6;  // 3 to 5 are still read
+inline constexpr std::int64_t kCheckpointFormatVersion = 7;  // 3 to 6 are still read
 
 inline constexpr const char* kSceneOfRun = "scene.h5";
 

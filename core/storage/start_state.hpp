@@ -16,7 +16,7 @@
 namespace scree {
 
 /// Of scene files that hold such a state; others have kSceneFormatVersion, so that older solvers read them.
-inline constexpr std::int64_t kSceneFormatVersionWithStart = 3;  // 2 is still read
+inline constexpr std::int64_t kSceneFormatVersionWithStart = 4;  // 2 and 3 are still read
 
 struct PairColumn {
   std::string name, unit;

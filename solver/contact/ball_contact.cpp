@@ -85,7 +85,7 @@ Damped damping_of(const PairLaw& law, const Push& push, double overlap, double m
 /// The spring of a kind from the step before; none: a stiffness of 0.
 ContactSpring old_spring(const std::vector<FrictionSpring>& springs, bool rolling) {
   for (const FrictionSpring& s : springs)
-    if ((s.key == kRollingKey) == rolling && s.key <= kRollingKey) return {s.force, s.stiffness};
+    if (is_of_feature(s) != rolling && is_spring(s)) return {s.force, s.stiffness};
   return {{}, 0};
 }
 
@@ -150,7 +150,7 @@ BallForce ball_force(const BallContact& c, double dt, double friction_dt, std::v
     const double stored = with_energy({rolls.spring, rolls.stiffness}, f.tangential_elastic);
     f.rolling_elastic = stored - f.tangential_elastic;
     f.tangential_elastic = stored;
-    springs.push_back({kRollingKey, rolls.spring, rolls.stiffness});
+    springs.push_back(RollingSpring{rolls.spring, rolls.stiffness}.row());
   }
   f.dissipative_force = (damped - push.push) * m.n + tangential;
   f.force = f.push + f.dissipative_force;
@@ -189,12 +189,12 @@ BallForceFunction ball_force_function(const LawChoice& choice) {
 }
 
 void set_axes_of_springs(bool ball_contact, const Quat& q, std::vector<FrictionSpring>& springs) {
-  if (springs.empty() || springs.front().key > kRollingKey) return;  // no spring
-  const bool has_turn = springs.back().key == kTurnKey;
+  if (springs.empty() || !is_spring(springs.front())) return;  // no spring
+  const bool has_turn = springs.back().key == Turn::kKey;
   if (ball_contact != has_turn) return;  // as they should be
   if (has_turn) springs.pop_back();
   for (FrictionSpring& s : springs) {
-    if (s.key > kRollingKey) continue;
+    if (!is_spring(s)) continue;
     s.force = has_turn ? rotate(q, s.force) : rotate_inverse(q, s.force);
     s.normal = {};
   }

@@ -5,7 +5,6 @@
 
 #include "solver/built_with.hpp"
 #include "solver/contact/contact_models.hpp"
-#include "solver/contact/damping_share.hpp"
 #include "solver/contact/pair_friction.hpp"
 
 namespace scree {
@@ -51,36 +50,15 @@ void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& push_force
                            law.tangential_ratio};
   const auto largest = [](const Vec3& v) { return std::max({v.x, v.y, v.z}); };
   const double spin_mobility = largest(m.inverse_inertia_a) + largest(m.inverse_inertia_b);
-  FrictionSpring old{kRollingKey, Vec3{}, 0};
-  for (auto s = springs.rbegin(); s != springs.rend() && s->key >= kRollingKey; ++s) {
-    if (s->key == kRollingKey) old = *s;
-  }
-  old.force = turned(old.force);
-  const RollingMoment moment = rolling_moment(law, state, spin_mobility, old.force, old.stiffness, dt, friction_dt);
+  const RollingSpring old = remembered<RollingSpring>(springs);
+  const RollingMoment moment = rolling_moment(law, state, spin_mobility, turned(old.moment), old.stiffness, dt, friction_dt);
   result.dissipative_torque += moment.moment;
   result.rolling_moment = moment.moment;
   if (m.surface != nullptr) result.surface_power += dot(moment.moment, surface_twist);
   if (!law.rolling_spring) return;
-  next.push_back({kRollingKey, moment.spring, moment.stiffness});
+  next.push_back(RollingSpring{moment.spring, moment.stiffness}.row());
   if (moment.stiffness > 0) result.rolling_elastic = 0.5 * squared_length(moment.spring) / moment.stiffness;
   result.tangential_elastic += result.rolling_elastic;
-}
-
-constexpr FrictionSpring kLink{kLinkKey, {}, 0};
-
-bool has_link(const std::vector<FrictionSpring>& springs) {
-  for (auto s = springs.rbegin(); s != springs.rend() && s->key >= kLinkKey; ++s) {
-    if (s->key == kLinkKey) return true;
-  }
-  return false;
-}
-
-/// Of a pair [m].
-double dent_of(const std::vector<FrictionSpring>& springs) {
-  for (auto s = springs.rbegin(); s != springs.rend() && s->key >= kDentKey; ++s) {
-    if (s->key == kDentKey) return s->force.x;
-  }
-  return 0;
 }
 
 /// Whether two bodies remember that they have touched.
@@ -143,7 +121,8 @@ class PairDamping {
     if constexpr (!Model::kDampsEachFeature)
       mobility = std::max(mobility, wrench_mobility_of_bonded(motion, elastic.force, elastic.torque) / (push.force * push.force));
     if (!(mobility > 0)) return;
-    const double chi = Damp::chi(pair_law_, push.energy * damping_share(springs), mobility), damping = chi * push.force * dt_;
+    const double chi = Damp::chi(pair_law_, push.energy * remembered<DampingShare>(springs).factor, mobility),
+                 damping = chi * push.force * dt_;
     pair_rate_ = damping * own;
     of_pair_ = Damp::in_step(chi, damping * mobility, pair_rate_);
   }
@@ -171,7 +150,7 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
   Law law_of_overlap(law, motion.radius);
   if constexpr (YieldingLaw<Law>) {
     // what started from a run, of materials that are elastic now, has no dent
-    if (law.unloading_ratio > 1) law_of_overlap.dent = dent_of(springs);
+    if (law.unloading_ratio > 1) law_of_overlap.dent = remembered<Dent>(springs).depth;
   }
   thread_local LawWorkspace work;
   FeatureForces& forces = work.forces;
@@ -186,9 +165,9 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
   if constexpr (NeckedLaw<Law> || AttractingLaw<Law>) linked = remembers(law);
   /// What the pair remembers besides its springs, in the order of keys.
   const auto remember = [&](std::vector<FrictionSpring>& rows) {
-    if (linked) rows.push_back(kLink);
+    if (linked) rows.push_back(Link{}.row());
     if constexpr (YieldingLaw<Law>) {
-      if (forces.dent > 0) rows.push_back({kDentKey, {forces.dent, 0, 0}, 0});
+      if (forces.dent > 0) rows.push_back(Dent{forces.dent}.row());
     }
   };
 
@@ -294,7 +273,7 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
                 tangential_share * damping.chi, dt, friction_dt, turned, springs, next, result);
   const bool has_springs = !next.empty();
   remember(next);
-  if (has_springs) next.push_back(MeanTurn::entry(motion.turn));
+  if (has_springs) next.push_back(Turn::of(motion.turn).row());
   springs.swap(next);
   result.force += result.dissipative_force;
   result.torque += result.dissipative_torque;
@@ -320,7 +299,7 @@ PairHoldsFunction pair_holds_function(const LawChoice& choice) {
       function = [](const PairFeatures& features, const PairLaw& law, double radius, const std::vector<FrictionSpring>& springs,
                     double& released) {
         const Law law_of_overlap(law, radius);
-        const bool linked = has_link(springs), holds = Model::holds(features, law, law_of_overlap, linked);
+        const bool linked = row_of<Link>(springs) != nullptr, holds = Model::holds(features, law, law_of_overlap, linked);
         released = holds && !linked && remembers(law) ? Model::released(features, law, law_of_overlap) : 0;
         return holds;
       };

@@ -12,19 +12,14 @@
 // shift, and the energy is exact. Where a normal turns as the bodies slide along each other (a corner of one around an edge of the other)
 // the work of the turning s . n is left out, and the balance of energies does not close: by at most what the contact holds.
 //
-// A shift is kept by the pair, in the frame of B, as an entry of its springs, so that it travels, and lies in checkpoints, as these do.
+// A shift is kept by the pair, in the frame of B, as a DeepShift (contact/pair_memory.hpp), so that it travels, and lies in checkpoints.
 #pragma once
 
-#include <algorithm>
 #include <vector>
 
 #include "solver/contact/pair_force.hpp"
 
 namespace scree {
-
-/// Key of an entry that is no spring, after kRestKey and before kLinkKey: its force is the shift of A, frame of B [m], its stiffness 1
-/// where the contact has been beyond its maximum overlap since it began, 0 else.
-inline constexpr std::int64_t kDeepKey = kRestKey | 1;
 
 /// A pair is shifted where what is left of its maximum overlap, after one more step at the present speed, is less than 1 - kShiftFrom of
 /// it; to kShiftTo. It is shifted back by as much as it comes out below kShiftBack. Far enough from each other that a shift lasts many
@@ -41,29 +36,12 @@ inline constexpr double kShiftMore = 0.5;
 /// Least cosine between a shift and a normal by which the shift can be taken back.
 inline constexpr double kMinCosine = 0.1;
 
-struct DeepEntry {
-  Vec3 shift;           ///< of A, frame of B [m]
-  bool passed = false;  ///< the contact has been beyond its maximum overlap
-};
-
-inline DeepEntry deep_entry_of(const std::vector<FrictionSpring>& springs) {
-  for (auto s = springs.rbegin(); s != springs.rend() && s->key >= kDeepKey; ++s) {
-    if (s->key == kDeepKey) return {s->force, s->stiffness > 0};
-  }
-  return {};
-}
-
-/// Notes it in the order of keys; nothing takes the entry away.
-inline void set_deep_entry(std::vector<FrictionSpring>& springs, const DeepEntry& entry) {
-  const auto at = std::find_if(springs.begin(), springs.end(), [](const FrictionSpring& s) { return s.key >= kDeepKey; });
-  const bool is_there = at != springs.end() && at->key == kDeepKey, is_needed = entry.passed || squared_length(entry.shift) > 0;
-  const FrictionSpring row{kDeepKey, entry.shift, entry.passed ? 1.0 : 0.0};
-  if (is_there && is_needed)
-    *at = row;
-  else if (is_there)
-    springs.erase(at);
-  else if (is_needed)
-    springs.insert(at, row);
+/// Notes it; nothing takes the row away.
+inline void set_deep_shift(std::vector<FrictionSpring>& springs, const DeepShift& contact) {
+  if (contact.passed != 0 || squared_length(contact.shift) > 0)
+    remember(springs, contact);
+  else
+    forget<DeepShift>(springs);
 }
 
 /// The pair with A moved out by a shift (frame of A), as features are found: all that overlap at the true pose are within its reach.

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "solver/contact/pair_state.hpp"
+#include "solver/contact/pair_memory.hpp"
 #include "solver/features/area_pressure.hpp"
 #include "solver/features/pair_view.hpp"
 
@@ -77,17 +77,6 @@ struct PushSum {
 
 /// Norm of the potential: larger values make stiffness depend less on the number of features, but sharpen forces.
 inline constexpr int kNorm = 8;
-
-/// Key of the spring of rolling resistance, after those of all features; its force is a moment [N m] over [N m/rad].
-inline constexpr std::int64_t kRollingKey = std::int64_t{3} << 60;
-/// Key of what is no spring: the overlap [m] (x of its force) from which a contact counts that took the place of a bond under pressure.
-inline constexpr std::int64_t kRestKey = std::int64_t{4} << 60;
-/// Key of an entry that is no spring: the two have a neck (laws/neck.hpp) or a liquid bridge (laws/attraction.hpp).
-inline constexpr std::int64_t kLinkKey = std::int64_t{5} << 60;
-/// Key of an entry that is no spring: x of its force is the dent of the pair [m] (laws/plastic.hpp).
-inline constexpr std::int64_t kDentKey = kLinkKey | 1;
-/// Key of the last entry: no spring, but how B was turned against A when the springs were set, x y z and w of a quaternion.
-inline constexpr std::int64_t kTurnKey = std::int64_t{7} << 60;
 
 /// Factor on chi in the damping of sliding: against the tangent stiffness of the normal force, as in the normal direction.
 /// in   exponent   tangent stiffness of the push over its secant

@@ -12,16 +12,14 @@ namespace scree {
 /// it is the same rotation, so that which of the two is A changes nothing but rounding.
 class MeanTurn {
  public:
-  /// in   springs   of the last step, with their kTurnKey     in  turn  B to A, now; of a wall's surface, what of it has moved on to here
+  /// in   springs   of the last step, with their Turn     in  turn  B to A, now; of a wall's surface, what of it has moved on to here
   MeanTurn(const std::vector<FrictionSpring>& springs, const Quat& turn, double friction_dt) {
-    if (springs.empty() || springs.back().key != kTurnKey || !(friction_dt > 0)) return;
-    const FrictionSpring& kept = springs.back();
-    const Quat before{kept.stiffness, kept.force.x, kept.force.y, kept.force.z};
+    if (springs.empty() || springs.back().key != Turn::kKey || !(friction_dt > 0)) return;
+    const Quat before = Turn::of(springs.back()).quaternion();
     if (before == turn) return;  // at rest, to the last bit
     half_ = half_turn(before, turn);
   }
   [[gnu::always_inline]] Vec3 operator()(const Vec3& s) const { return turned_by(half_, s); }
-  static FrictionSpring entry(const Quat& turn) { return {kTurnKey, {turn.x, turn.y, turn.z}, turn.w}; }
 
  private:
   HalfTurn half_{{}, 1};

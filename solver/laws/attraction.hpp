@@ -2,7 +2,7 @@
 // range s, margins included. Of three kinds (core/storage/attraction.hpp):
 //     range     U(x) = -F_c x^2 / (2 s) for 0 < x <= s, -F_c (x - s / 2) beyond: no jump and no memory
 //     bridge    U(x) = -(the work from the gap s - x on until it ruptures) for x <= s, as steep as at touch beyond. Only bodies that have
-//               touched have one, until it ruptures: a pair remembers it by a row of PairState (kLinkKey)
+//               touched have one, until it ruptures: a pair remembers it by a Link (contact/pair_memory.hpp)
 //     traction  of a smooth cap with gather = "area" (contact/area_model.hpp): U(x) = -(p / s) pi R* (x^3 - (x - s)^3) / 3, the second term
 //               from touch on; at touch its force is 2 pi w R*
 // The first two stay at F_c from touch on. One feature parts at F_c; n equal ones, which share x as they share the overlap of their push,

@@ -1,7 +1,7 @@
 // hertz-mindlin between balls that stick with the hysteresis of JKR (core/storage/jkr.hpp): from touch on until the neck tears.
 // Damping goes with the part of the force that Hertz gives for the same radius of contact, as everywhere with the push: it stays defined
 // where the energy is below 0. Friction and rolling are limited by mu |F + 2 F_c| (Thornton, J. Phys. D 24 (1991) 1942), the tangential
-// stiffness is 8 G* a with the radius a of JKR. Two bodies remember that they have a neck by a row of PairState (kLinkKey).
+// stiffness is 8 G* a with the radius a of JKR. Two bodies remember that they have a neck by a Link (contact/pair_memory.hpp).
 #pragma once
 
 #include <algorithm>

@@ -13,7 +13,7 @@
 // step.
 //
 // The push is F and what the contact pulls at most together, as is the limit of friction in EEPA; the pull is (k_adh / k1) F1(D). Two
-// bodies remember their dent by a row of PairState (kDentKey).
+// bodies remember their dent by a Dent (contact/pair_memory.hpp).
 #pragma once
 
 #include <algorithm>

@@ -13,7 +13,7 @@ constexpr std::int64_t kSpringKey = kCornerOfA << 60;  // of the one contact of 
 constexpr std::size_t kMostSprings = 2;                // of friction, of rolling
 
 [[gnu::noinline]] void begin_springs(std::size_t count, std::vector<FrictionSpring>& springs) {
-  springs.assign(count, FrictionSpring{kRollingKey, {}, 0});
+  springs.assign(count, RollingSpring{}.row());
   springs.front().key = kSpringKey;
 }
 
@@ -33,7 +33,8 @@ std::size_t ball_spring_count(const LaneLaws& laws) {
 
 bool are_of_balls(const std::vector<FrictionSpring>& springs, std::size_t spring_count) {
   if (springs.empty()) return true;
-  return springs.size() == spring_count && springs[0].key == kSpringKey && (spring_count < kMostSprings || springs[1].key == kRollingKey);
+  return springs.size() == spring_count && springs[0].key == kSpringKey &&
+         (spring_count < kMostSprings || springs[1].key == RollingSpring::kKey);
 }
 
 void load_springs(const std::vector<FrictionSpring>& springs, std::size_t spring_count, std::size_t n, BallSprings& lanes) {

@@ -30,12 +30,12 @@ bool list_shifted(const PairView& view, const PairVelocities& velocities, double
 /// A pair with a shift that does not touch: the shift goes, unless the surfaces cross where the bodies are.
 template <ContactModel Model>
 void part_shifted(const PairView& view, double skin, MeshDistanceScratch& scratch, CandidateLists& lists, PairState& state) {
-  DeepEntry left = deep_entry_of(state.springs);
-  left.passed = false;
+  DeepShift left = remembered<DeepShift>(state.springs);
+  left.passed = 0;
   if (Model::list(view, skin, scratch, lists)) left = {};
   lists.skin = -1;
   state.keep_lasting();
-  set_deep_entry(state.springs, left);
+  set_deep_shift(state.springs, left);
 }
 
 /// A pair in contact, as its force was found.
@@ -49,9 +49,9 @@ struct DeepPair {
 };
 
 /// Counts a pair that is beyond its maximum overlap, and notes how far it is to be moved out in the next step.
-/// in    before     the pair's entry before its springs were replaced
+/// in    before     what the pair kept before its springs were replaced
 /// out   too_deep   set where the overlap is not a number
-void go_on(PairPass& pass, std::size_t thread, const DeepPair& at, const DeepEntry& before, CandidateLists& lists, BodyPair& pair,
+void go_on(PairPass& pass, std::size_t thread, const DeepPair& at, const DeepShift& before, CandidateLists& lists, BodyPair& pair,
            bool& too_deep);
 
 }  // namespace scree

@@ -71,7 +71,7 @@ void MeshEvaluation::add(std::int32_t k, std::size_t law, const BodyPair& pair, 
   batch.max_overlap[n] = view.max_overlap;
   batch.cluster_share[n] = features.cluster_share;
   const std::vector<FrictionSpring>& springs = pair.state.springs;
-  const bool turned = !springs.empty() && springs.back().key == kTurnKey;
+  const bool turned = !springs.empty() && springs.back().key == Turn::kKey;
   batch.turned[n] = turned ? 1 : 0;
   if (turned) store(springs.back(), &batch.turn[4 * n]);
   auto old = springs.begin();
@@ -119,7 +119,7 @@ void MeshEvaluation::evaluate(MeshPairs& batch) {
       load(&batch.features[j].spring[4 * n], springs[j]);
       load(&batch.features[j].normal[4 * n], springs[j].normal);
     }
-    springs[count].key = kTurnKey;
+    springs[count].key = Turn::kKey;
     springs[count].normal = {};
     load(&batch.turn[4 * n], springs[count]);
   }

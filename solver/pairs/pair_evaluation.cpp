@@ -58,14 +58,6 @@ void set_result(const PairView& view, const BallForce& force, PairResult& result
   result.overlap_ratio = view.max_overlap > 0 ? f.largest_overlap * (1 / view.max_overlap) : 0;
 }
 
-void set_rest_overlap(std::vector<FrictionSpring>& springs, double overlap) {
-  const auto at = std::find_if(springs.begin(), springs.end(), [](const FrictionSpring& s) { return s.key >= kRestKey; });
-  if (at != springs.end() && at->key == kRestKey)
-    at->force.x = overlap;
-  else
-    springs.insert(at, {kRestKey, {overlap, 0, 0}, 0});
-}
-
 void append_contacts(const BodyPair& pair, const PairView& view, const std::vector<ContactFeature>& features,
                      const std::vector<ContactOutput>& outputs, FrameContacts& out) {
   // In files the lower id is A; a wall may have the lower id, then everything is mirrored.

@@ -9,7 +9,6 @@
 
 #include "solver/built_with.hpp"
 #include "solver/contact/contact_models.hpp"
-#include "solver/contact/damping_share.hpp"
 #include "solver/features/pass_through.hpp"
 #include "solver/pairs/deep_pairs.hpp"
 #include "solver/pairs/mesh_evaluation.hpp"
@@ -30,9 +29,6 @@ void append_contacts(const BodyPair& pair, const PairView& view, const std::vect
 
 /// What a ball contact did.
 void set_result(const PairView& view, const BallForce& force, PairResult& result);
-
-/// Notes the overlap that a pair counts from, in the order of keys.
-void set_rest_overlap(std::vector<FrictionSpring>& springs, double overlap);
 
 /// One thread's part of a pass.
 template <ContactModel Model>
@@ -61,7 +57,7 @@ class PairEvaluation {
     const PairVelocities velocities = velocities_of(pass_.p, pass_.walls, pair.a, pair.b, view, pass_.friction_dt > 0);
     CandidateLists& lists = lists_of(pair);
     if (pass_.continues) {
-      const Vec3 shift = view.pose.rotation * deep_entry_of(pair.state.springs).shift;
+      const Vec3 shift = view.pose.rotation * remembered<DeepShift>(pair.state.springs).shift;
       if (squared_length(shift) > 0) return evaluate_shifted(k, view, velocities, shift, lists, pair, result, idle);
     }
     double moved = 0;
@@ -173,7 +169,7 @@ class PairEvaluation {
     if (view.off_middle != 0)
       for (ContactFeature& f : features_.list) f.x -= view.off_middle * f.n;
     const double rest_overlap = pass_.has_bonds ? count_from_rest(pair.state.springs) : 0;
-    const double share = pass_.has_bonds ? damping_share(pair.state.springs) : 1;
+    const double share = pass_.has_bonds ? remembered<DampingShare>(pair.state.springs).factor : 1;
     if (view.reach > view.margin)
       weigh_beyond_margin(view, moved, lists, pair);
     else
@@ -183,8 +179,8 @@ class PairEvaluation {
     } else if (lanes_ == nullptr || !lanes_->take(k, pair, view, features_)) {
       apply_law(view, velocities, lists, pair, result);
     }
-    if (share != 1 && result.active && !pass_.is_read_only()) set_damping_share(pair.state.springs, share);
-    if (rest_overlap > 0 && !pass_.is_read_only()) set_rest_overlap(pair.state.springs, rest_overlap);
+    if (share != 1 && result.active && !pass_.is_read_only()) remember(pair.state.springs, DampingShare{share});
+    if (rest_overlap > 0 && !pass_.is_read_only()) remember(pair.state.springs, RestOverlap{rest_overlap});
   }
 
   /// Looks whether the bodies could have passed through each other, and lists candidates again where the pair has used up its skin.
@@ -239,9 +235,9 @@ class PairEvaluation {
 
   /// Shifts overlaps by what the pair counts them from, until it has parted. Returns that [m].
   double count_from_rest(const std::vector<FrictionSpring>& springs) {
-    const auto found = std::find_if(springs.begin(), springs.end(), [](const FrictionSpring& s) { return s.key == kRestKey; });
-    if (found == springs.end() || features_.has_layer) return 0;
-    const double rest_overlap = found->force.x;
+    const FrictionSpring* const row = row_of<RestOverlap>(springs);
+    if (row == nullptr || features_.has_layer) return 0;
+    const double rest_overlap = RestOverlap::of(*row).overlap;
     double deepest = 0;
     for (ContactFeature& f : features_.list) {
       deepest = std::max(deepest, f.overlap);
@@ -294,8 +290,8 @@ class PairEvaluation {
   /// The force of the features that were found, and the pair's result.
   [[gnu::always_inline]] void apply_law(const PairView& view, const PairVelocities& velocities, CandidateLists& lists, BodyPair& pair,
                                         PairResult& result) {
-    DeepEntry deep;
-    if (pass_.continues) deep = deep_entry_of(pair.state.springs);
+    DeepShift deep;
+    if (pass_.continues) deep = remembered<DeepShift>(pair.state.springs);
     const PairLaw& law = pass_.continues ? limited_law_of(view, pair) : law_of(view, pair);
     if (pass_.force_of_balls != nullptr && is_ball_contact(pass_.scene, pass_.p, pair.a, pair.b, pair.key.zone))
       return apply_ball_law(view, velocities, law, deep, lists, pair, result);
@@ -338,7 +334,7 @@ class PairEvaluation {
   }
 
   /// The same of a ball contact, whose frame of A has the axes of the world.
-  [[gnu::noinline]] void apply_ball_law(const PairView& view, const PairVelocities& velocities, const PairLaw& law, const DeepEntry& deep,
+  [[gnu::noinline]] void apply_ball_law(const PairView& view, const PairVelocities& velocities, const PairLaw& law, const DeepShift& deep,
                                         CandidateLists& lists, BodyPair& pair, PairResult& result) {
     const Mat3 a_to_world = matrix_of(view.a.q);
     PairMotion motion = motion_of(pass_.p, pair.a, pair.b, view, velocities, a_to_world);
@@ -352,7 +348,7 @@ class PairEvaluation {
 
   /// Looks how deep a contact is, and shows it to those who look.
   [[gnu::always_inline]] void conclude(const PairView& view, const PairLaw& law, const PairMotion& motion, const PairForce& f,
-                                       const Mat3& a_to_world, const DeepEntry& deep, CandidateLists& lists, BodyPair& pair,
+                                       const Mat3& a_to_world, const DeepShift& deep, CandidateLists& lists, BodyPair& pair,
                                        const PairResult& result) {
     largest_overlap_ = std::max(largest_overlap_, result.overlap_ratio);
     if (pass_.continues)

@@ -119,13 +119,13 @@ void read_states(const mpi::Communicator& comm, const h5::Group& root, std::vect
   if (!root.has(PairKind<Row>::kGroup)) return;  // of a run that has none of this kind
   for (const auto& r : read_columns<PairTableColumns<Row>>(comm, root.open_group(PairKind<Row>::kGroup), "a"))
     rows.push_back({r.key(), r.row});
-  add_rows(rows, states);
+  add_rows(as_in_state(rows), states);
 }
 
 template <class Row>
 std::vector<PairRow<Row>> table_of(const std::vector<WaitingState>& states) {
   std::vector<PairRow<Row>> rows;
-  for (const KeyedRow<Row>& r : keyed_rows<Row>(states)) rows.push_back({r.key.a, r.key.b, r.key.zone, r.row});
+  for (const KeyedRow<Row>& r : rows_for_table<Row>(states)) rows.push_back({r.key.a, r.key.b, r.key.zone, r.row});
   return rows;
 }
 
@@ -177,7 +177,7 @@ void read_whole_file(const mpi::Communicator& comm, Checkpoint& c, std::vector<P
     c.totals.largest_id = root.read_integer_attribute("largest_id");
   }
   bodies = read_columns<BodyTableColumns>(comm, root.open_group("bodies"), "id");
-  for_each_kind(PairState{}, [&](const auto& kind) { read_states<typename std::decay_t<decltype(kind)>::value_type>(comm, root, states); });
+  for_each_table([&]<class Row>() { read_states<Row>(comm, root, states); });
 }
 
 }  // namespace
@@ -205,9 +205,8 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
       for (const StateArray& array : of_effect)
         bytes += static_cast<std::int64_t>(array.reals.size() * sizeof(double) + array.integers.size() * sizeof(std::int64_t));
     }
-    for_each_kind(PairState{}, [&](const auto& kind) {
-      using Row = typename std::decay_t<decltype(kind)>::value_type;
-      bytes += comm.sum(static_cast<std::int64_t>(keyed_rows<Row>(states).size())) * bytes_per_row<PairTableColumns<Row>>();
+    for_each_table([&]<class Row>() {
+      bytes += comm.sum(static_cast<std::int64_t>(rows_for_table<Row>(states).size())) * bytes_per_row<PairTableColumns<Row>>();
     });
     CollectiveFile file(comm.get(), folder + "/" + checkpoint_name(simulation.step()), bytes, CollectiveFile::Kind::checksummed);
     {
@@ -244,12 +243,12 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
       }
       write_columns<BodyTableColumns>(file, root.create_group("bodies"), bodies, body_rows,
                                       simulation.state().scene.source().settings.heat ? nullptr : BodyTableColumns::is_of_heat);
-      for_each_kind(PairState{}, [&](const auto& kind) {
-        using Row = typename std::decay_t<decltype(kind)>::value_type;
-        if (std::is_same_v<Row, KeptForce> && !simulation.state().sleep) return;
-        const std::vector<PairRow<Row>> rows = table_of<Row>(states);
-        write_columns<PairTableColumns<Row>>(file, root.create_group(PairKind<Row>::kGroup), rows,
-                                             distribute(comm.get(), static_cast<std::int64_t>(rows.size())));
+      for_each_table([&]<class Row>() {
+        const std::vector<PairRow<Row>> table = table_of<Row>(states);
+        const Rows rows = distribute(comm.get(), static_cast<std::int64_t>(table.size()));
+        const bool is_always_there = std::is_same_v<Row, FrictionSpring> || (std::is_same_v<Row, KeptForce> && simulation.state().sleep);
+        if (rows.total == 0 && !is_always_there) return;
+        write_columns<PairTableColumns<Row>>(file, root.create_group(PairKind<Row>::kGroup), table, rows);
       });
     }
     file.commit();

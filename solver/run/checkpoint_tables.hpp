@@ -10,7 +10,7 @@
 
 #include "core/storage/collective_file.hpp"
 #include "solver/bodies/particle_set.hpp"
-#include "solver/contact/pair_state.hpp"
+#include "solver/contact/pair_memory.hpp"
 #include "solver/pairs/deep_contacts.hpp"
 #include "solver/ranks/mpi_session.hpp"
 #include "solver/state/effect_record.hpp"
@@ -28,7 +28,7 @@ struct PairRow {
 
 // The columns of a table as visit(action), action(dataset, unit, value_of), for writer, reader and the estimate of space alike.
 // value_of(row) refers to the value, of a constant row or of one that is read. The tables themselves are body_columns.hpp and
-// pair_state.hpp.
+// pair_memory.hpp.
 struct BodyTableColumns {
   using Item = ParticleRecord;
   template <class Action>

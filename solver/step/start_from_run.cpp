@@ -65,24 +65,26 @@ ParticleRecord starting_record(const SolverScene& scene, const StartState& start
 
 std::vector<WaitingState> starting_pairs(const SolverScene& scene, const StartState& start, const std::vector<ParticleRecord>& mine) {
   std::vector<WaitingState> states;
+  std::vector<KeyedRow<FrictionSpring>> springs;
   std::unordered_set<std::int64_t> own;
   for (const ParticleRecord& r : mine) own.insert(r.id);
   for (const PairTable& table : start.pairs) {
     check_keys(scene, start, table);
     bool known = false;
-    for_each_kind(PairState{}, [&](const auto& kind) {
-      using Row = typename std::decay_t<decltype(kind)>::value_type;
+    for_each_table([&]<class Row>() {
       if (table.kind != PairKind<Row>::kGroup) return;
       known = true;
-      if constexpr (std::is_same_v<Row, KeptForce>) return;  // a run begins with all bodies awake
-      std::vector<KeyedRow<Row>> rows = rows_of<Row>(table);
-      std::erase_if(rows, [&](const auto& r) { return !own.contains(r.key.a) && (r.key.zone >= 0 || !own.contains(r.key.b)); });
-      std::sort(rows.begin(), rows.end(),
-                [](const auto& l, const auto& r) { return std::tie(l.key, l.row.key) < std::tie(r.key, r.row.key); });
-      add_rows(rows, states);
+      if constexpr (!std::is_same_v<Row, KeptForce>) {  // a run begins with all bodies awake
+        for (const KeyedRow<FrictionSpring>& r : as_in_state(rows_of<Row>(table))) {
+          if (own.contains(r.key.a) || (r.key.zone < 0 && own.contains(r.key.b))) springs.push_back(r);
+        }
+      }
     });
     if (!known) throw InputError("the scene's start/pairs/{}: this version of the solver knows no such state of pairs", table.kind);
   }
+  std::sort(springs.begin(), springs.end(),
+            [](const auto& l, const auto& r) { return std::tie(l.key, l.row.key) < std::tie(r.key, r.row.key); });
+  add_rows(springs, states);
   merge(states);
   return states;
 }

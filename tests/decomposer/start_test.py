@@ -171,7 +171,7 @@ def what_a_case_adds_is_put_around_the_bodies_and_is_the_same_on_any_ranks():
         bodies, ids = {name: file["bodies"][name][:] for name in file["bodies"]}, bed["bodies/id"][:]
         walls = [wall["id"] for wall in json.loads(file["settings"][()])["walls"]]
         largest = max([*ids, *(wall["id"] for wall in json.loads(bed["settings"][()])["walls"])])
-        assert file.attrs["format_version"] == 3 and file["start"].attrs["bodies"] == 24
+        assert file.attrs["format_version"] == 4 and file["start"].attrs["bodies"] == 24
         shapes = [file["shapes"][name].attrs["name"] for name in file["shapes"]]
         record = json.loads(file["provenance"][()])
     assert (bodies["id"][:24] == numpy.sort(ids)).all() and min([*bodies["id"][24:], *walls]) == largest + 1

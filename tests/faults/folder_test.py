@@ -231,7 +231,7 @@ def a_checkpoint_of_version_3_is_read():
         assert result["max_depth_ratio"] >= f.attrs["max_depth_ratio"] > 0
     # and of the present version, what it goes on with
     with h5py.File(os.path.join("a.run", checkpoints("a.run")[-1]), "r") as f:
-        assert f.attrs["format_version"] == 6 and f["record"].attrs["kinetic_peak"] == result["energy"]["kinetic_peak"]
+        assert f.attrs["format_version"] == 7 and f["record"].attrs["kinetic_peak"] == result["energy"]["kinetic_peak"]
 
 
 def a_checkpoint_of_version_4_is_read_with_its_springs():
@@ -244,20 +244,33 @@ def a_checkpoint_of_version_4_is_read_with_its_springs():
     run(2, os.path.join(data, "sliding.scene.h5"), "-o", "whole.run")
     with h5py.File(old, "r") as f, h5py.File(os.path.join("sliding.run", checkpoints("sliding.run")[-1]), "r") as now, \
             h5py.File(os.path.join("whole.run", checkpoints("whole.run")[-1]), "r") as whole:
-        assert "normal" not in f["springs"] and (f["springs/feature"][()] < 3 << 60).sum() == (now["springs/feature"][()] < 3 << 60).sum()
-        feature, stiffness, normal = (now["springs/" + name][()] for name in ("feature", "stiffness", "normal"))
-        springs = feature < 3 << 60
+        assert "normal" not in f["springs"] and (f["springs/feature"][()] < 3 << 60).sum() == len(now["springs/feature"])
+        stiffness, normal = now["springs/stiffness"][()], now["springs/normal"][()]
         # contacts of balls are in world axes since version 6: without a turn and a normal
-        pair = np.stack([now["springs/" + name][()] for name in ("a", "b", "zone")], axis=1).tolist()
-        turned = [p for p, key in zip(pair, feature) if key == 7 << 60]
+        pair, turned = (np.stack([now[f"{table}/{name}"][()] for name in ("a", "b", "zone")], axis=1).tolist() for table in ("springs", "turns"))
         has_turn = np.array([p in turned for p in pair])
         assert has_turn.any() and not has_turn.all(), "both kinds of pairs"
-        assert abs(np.linalg.norm(normal[springs & has_turn], axis=1) - 1).max() < 1e-12 and not normal[~(springs & has_turn)].any()
-        assert (stiffness[springs] < 0).any(), "nothing slides"
+        assert abs(np.linalg.norm(normal[has_turn], axis=1) - 1).max() < 1e-12 and not normal[~has_turn].any()
+        assert (stiffness < 0).any(), "nothing slides"
         # the step after the restart knows no normals, which turn by less than the margin over the size
         order, same = (np.argsort(file["bodies/id"][()]) for file in (now, whole))
         error = abs(now["bodies/x"][()][order] - whole["bodies/x"][()][same]).max()
         assert error < 1e-9, error
+
+
+def a_checkpoint_of_version_6_is_read_with_all_that_pairs_remember():
+    """tests/data/checkpoint_v6.h5 is from the last solver that kept all of it in one table, of remembering.scene.h5 beside it: cubes and balls that roll
+    on each other with liquid bridges. The solver compares the hash of what it has read with that of the file."""
+    data = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "data")
+    old = os.path.join(data, "checkpoint_v6.h5")
+    run(2, os.path.join(data, "remembering.scene.h5"), "-o", "remembering.run", "--restart", old)
+    with h5py.File(old, "r") as f, h5py.File(os.path.join("remembering.run", checkpoints("remembering.run")[0]), "r") as now:
+        key = f["springs/feature"][()]
+        assert f.attrs["format_version"] == 6
+        for table, first, last in (("springs", 0, 3 << 60), ("rolling_springs", 3 << 60, 4 << 60), ("links", 5 << 60, 6 << 60), ("turns", 7 << 60, (8 << 60) - 1)):
+            before = ((key >= first) & (key < last)).sum()
+            assert before > 0 and len(now[f"{table}/a"]) == before, (table, before, len(now[f"{table}/a"]))
+
 
 
 def a_run_keeps_checkpoints_by_the_clock_and_they_change_nothing():
@@ -310,5 +323,6 @@ TESTS = [a_finished_run_is_left_as_it_is, a_folder_that_is_refused_is_left_as_it
          a_second_solver_on_a_folder_is_refused, the_list_of_frames_never_names_one_that_is_gone,
          a_log_is_on_the_disk_before_the_checkpoint_that_relies_on_it, verify_compares_scenes_far_from_the_origin_in_the_world,
          the_record_of_a_restarted_run_covers_all_of_it, a_checkpoint_of_version_3_is_read, a_checkpoint_of_version_4_is_read_with_its_springs,
+         a_checkpoint_of_version_6_is_read_with_all_that_pairs_remember,
          a_run_keeps_checkpoints_by_the_clock_and_they_change_nothing, walls_in_frames_carry_the_forces_of_the_log]
 main(TESTS)

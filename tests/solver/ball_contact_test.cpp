@@ -93,7 +93,7 @@ TEST(BallContact, springs_go_along_by_parallel_transport) {
 
 TEST(BallContact, springs_of_older_checkpoints_turn_into_world_axes_and_back) {
   const Quat q = normalised(Quat{.5, .1, -.7, .3});
-  const std::vector<FrictionSpring> in_a = {{0, {1, 2, 3}, 5, {0, 0, 1}}, {kRollingKey, {.1, .2, .3}, 7}, {kTurnKey, {.1, 0, 0}, .9}};
+  const std::vector<FrictionSpring> in_a = {{0, {1, 2, 3}, 5, {0, 0, 1}}, RollingSpring{{.1, .2, .3}, 7}.row(), Turn{{.1, 0, 0}, .9}.row()};
   std::vector<FrictionSpring> springs = in_a;
   set_axes_of_springs(false, q, springs);
   ASSERT_EQ(springs.size(), 3u) << "of other pairs they stay";

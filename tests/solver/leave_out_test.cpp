@@ -17,7 +17,7 @@ using test::TestRun;
 std::size_t springs_of(const Simulation& simulation, bool with_room) {
   std::size_t springs = 0;
   for (const BodyPair& pair : simulation.state().pairs.pairs()) {
-    const auto is_spring = [](const FrictionSpring& s) { return s.key != kTurnKey; };
+    const auto is_spring = [](const FrictionSpring& s) { return s.key != Turn::kKey; };
     springs += with_room ? pair.state.springs.capacity()
                          : static_cast<std::size_t>(std::count_if(pair.state.springs.begin(), pair.state.springs.end(), is_spring));
   }

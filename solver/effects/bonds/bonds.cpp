@@ -152,9 +152,9 @@ std::vector<std::int32_t> Bonds::shift_loaded(RunState& s) const {
     const auto a = at(pair.a), b = at(pair.b);
     const double deepest =
         r.overlap_ratio * s.scene.max_overlap_of(s.particles.shape[a], s.particles.scale[a], s.particles.shape[b], s.particles.scale[b]);
-    set_rest_overlap(pair.state.springs, deepest * (1 - std::sqrt(held / r.elastic)));
+    remember(pair.state.springs, RestOverlap{deepest * (1 - std::sqrt(held / r.elastic))});
     // a dent is that of the whole overlap: what is left of it presses the contact for the first time
-    std::erase_if(pair.state.springs, [](const FrictionSpring& row) { return row.key == kDentKey; });
+    forget<Dent>(pair.state.springs);
     changed.push_back(k);
   }
   return changed;

@@ -5,7 +5,6 @@
 #include <tuple>
 
 #include "core/base/index.hpp"
-#include "solver/contact/damping_share.hpp"
 #include "solver/effects/bonds/fragment_side.hpp"
 
 namespace scree {
@@ -86,7 +85,10 @@ void share_damping(RunState& s) {
   }
   for (BodyPair& pair : s.pairs.pairs()) {
     const auto found = shares.find(pair.key);
-    set_damping_share(pair.state.springs, found != shares.end() ? found->second : 1);
+    if (found != shares.end() && found->second != 1)
+      remember(pair.state.springs, DampingShare{found->second});
+    else
+      forget<DampingShare>(pair.state.springs);
   }
 }
 

@@ -6,7 +6,7 @@
 // count the energy of all of them and the mobility of the sum of their wrenches.
 //
 // The sums are those of the last multiple of kReviewSteps, over all ranks, in the order of pairs: the same bits on every rank. A contact
-// keeps the result among its springs (contact/damping_share.hpp), so that it migrates, and a restart has it. In its first steps, a small
+// keeps the result (DampingShare, contact/pair_memory.hpp), so that it migrates, and a restart has it. In its first steps, a small
 // part of a contact between stiff fragments, it counts as alone. Laws whose chi does not depend on U need none of it.
 #pragma once
 

@@ -25,8 +25,8 @@ double contact_loss(const RunState& s, std::size_t k, double dt) {
 double stored_in_springs(const BodyPair& pair) {
   double stored = 0;
   for (const FrictionSpring& spring : pair.state.springs) {
-    // entries beyond the key of rolling are no springs; a stiffness below 0 marks one that slides
-    if (spring.key <= kRollingKey) stored = with_energy({spring.force, spring.stiffness}, stored);
+    // a stiffness below 0 marks one that slides
+    if (is_spring(spring)) stored = with_energy({spring.force, spring.stiffness}, stored);
   }
   return stored;
 }

@@ -98,7 +98,7 @@ Looks record_features(RunState& s, const std::vector<std::int32_t>& which, Force
 void rename_springs(const PairLook& before, const PairLook& after, double farthest, std::vector<FrictionSpring>& springs) {
   std::vector<FrictionSpring> kept;
   for (FrictionSpring spring : springs) {
-    if (spring.key >= kRollingKey) {
+    if (!is_of_feature(spring)) {
       kept.push_back(spring);
       continue;
     }
