@@ -2,6 +2,7 @@
 // does not turn keeps what it has: 1/m and I^-1 say which these are, they are 0 then and never otherwise.
 #include "solver/bodies/motion_lanes.hpp"
 
+#include <cstdint>
 #include <limits>
 
 #include "solver/bodies/sine_cosine.hpp"
@@ -88,6 +89,7 @@ HWY_INLINE void add_turn(LaneQuat& q, LaneQuat& remainder, const LaneQuat& way) 
   advance(q, remainder, way);
   const Lane excess = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - Lane(1.0), by = Lane(-0.5) * excess;
   const auto is_off = abs(excess) > Lane(kUnitError);
+  if (!any(is_off)) return;
   LaneQuat unit = q, unit_remainder = remainder;
   advance(unit, unit_remainder, LaneQuat{by * q.w, by * q.x, by * q.y, by * q.z});
   q = select(is_off, unit, q);
@@ -100,8 +102,6 @@ HWY_INLINE void turn_rows(ParticleSet& p, double kick_time, double h, std::size_
   const Lane rate_of_w = load(&p.inverse_inertia[i]).x;
   const Lane3 L = load(&p.L[i]), next = L + Lane(kick_time) * load(&p.torque[i]), w = rate_of_w * next;
   const auto turns = which & (rate_of_w > zero);
-  store(select(turns, next, L), &p.L[i]);
-  store(select(turns, w, load(&p.w[i])), &p.w[i]);
   const Lane rate = length(w);
   const auto rotates = turns & (rate > zero);
   Lane s, c;
@@ -110,6 +110,15 @@ HWY_INLINE void turn_rows(ParticleSet& p, double kick_time, double h, std::size_
   const LaneQuat before = load(&p.q[i]), remainder_before = load(&p.q_remainder[i]);
   LaneQuat q = before, remainder = remainder_before;
   add_turn(q, remainder, LaneQuat{c - one, s * axis.x, s * axis.y, s * axis.z} * q);
+  if (!any(!rotates)) {  // nearly always
+    store(next, &p.L[i]);
+    store(w, &p.w[i]);
+    store(q, &p.q[i]);
+    store(remainder, &p.q_remainder[i]);
+    return;
+  }
+  store(select(turns, next, L), &p.L[i]);
+  store(select(turns, w, load(&p.w[i])), &p.w[i]);
   store(select(rotates, q, before), &p.q[i]);
   store(select(rotates, remainder, remainder_before), &p.q_remainder[i]);
 }
@@ -151,14 +160,32 @@ HWY_INLINE void rotor_rows(ParticleSet& p, double kick_time, double h, std::size
   store(select(turns, remainder, remainder_before), &p.q_remainder[i]);
 }
 
+/// Which of the bodies in the lanes have equal moments. Asked of all lanes at once, since most vectors have bodies of one kind.
+struct Balls {
+  const std::uint8_t* isotropic;
+  bool all = true, some = false;
+  HWY_INLINE explicit Balls(const std::uint8_t* flags) : isotropic(flags) {
+    std::uint8_t both = 0xff, either = 0;
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      both &= flags[k];
+      either |= flags[k];
+    }
+    all = both != 0;
+    some = either != 0;
+  }
+  HWY_INLINE Mask<double> lanes() const {
+    alignas(64) double numbers[kLanes];
+    for (std::size_t k = 0; k < kLanes; ++k) numbers[k] = isotropic[k];
+    return Lane::load(numbers) > Lane(0.0);
+  }
+};
+
 HWY_NOINLINE std::size_t drift_rows(ParticleSet& p, double kick_time, double h, bool has_rotor, std::size_t begin, std::size_t end) {
   const Lane zero(0.0), time(kick_time), step(h);
   std::size_t i = begin;
   for (; i + kLanes <= end; i += kLanes) {
-    alignas(64) double equal_moments[kLanes];
-    for (std::size_t k = 0; k < kLanes; ++k) equal_moments[k] = p.isotropic[i + k];
-    const auto isotropic = Lane::load(equal_moments) > zero;
-    if (!has_rotor && any(!isotropic)) return i;
+    const Balls balls(&p.isotropic[i]);
+    if (!has_rotor && !balls.all) return i;
     const Lane inverse_mass = Lane::load(&p.inverse_mass[i]);
     const auto moves = inverse_mass > zero;
     const Lane3 v = load(&p.v[i]), next = v + (time * inverse_mass) * load(&p.force[i]), way = step * next, x = load(&p.x[i]),
@@ -171,8 +198,13 @@ HWY_NOINLINE std::size_t drift_rows(ParticleSet& p, double kick_time, double h, 
     store(select(moves, there, x), &p.x[i]);
     store(select(moves, left, remainder), &p.x_remainder[i]);
     if constexpr (!built_with::kRotation) continue;
-    if (any(isotropic)) turn_rows(p, kick_time, h, i, isotropic);
-    if (any(!isotropic)) rotor_rows(p, kick_time, h, i, !isotropic);
+    if (balls.all) {
+      turn_rows(p, kick_time, h, i, zero < Lane(1.0));
+      continue;
+    }
+    const auto isotropic = balls.lanes();
+    if (balls.some) turn_rows(p, kick_time, h, i, isotropic);
+    rotor_rows(p, kick_time, h, i, !isotropic);
   }
   return i;
 }

@@ -97,14 +97,36 @@ double wall_share_of_frequency(const RunState& s, std::size_t wall) {
 
 namespace {
 
+/// Impulses of one wall after the other, added together: pairs of a wall come one after the other.
+class ImpulsesOfWall {
+ public:
+  explicit ImpulsesOfWall(WallTotals& totals) : totals_(totals) {}
+  ImpulsesOfWall(const ImpulsesOfWall&) = delete;
+  ImpulsesOfWall& operator=(const ImpulsesOfWall&) = delete;
+  ~ImpulsesOfWall() { add_up(); }
+
+  void add(std::size_t wall, const Vec3& impulse) {
+    if (wall != wall_ || count_ == kManyTerms) add_up();
+    wall_ = wall;
+    for (int k = 0; k < 3; ++k) terms_[static_cast<std::size_t>(k)][count_] = impulse[k];
+    ++count_;
+  }
+
+ private:
+  void add_up() {
+    for (std::size_t k = 0; k < 3 && count_ > 0; ++k) totals_.impulse[wall_][k].add_many(terms_[k], count_);
+    count_ = 0;
+  }
+
+  WallTotals& totals_;
+  std::size_t wall_ = 0, count_ = 0;
+  std::array<ManyTerms, 3> terms_;
+};
+
 void add_effects_of(std::span<const std::int32_t> pairs, const RunState& s, double dt, WallTotals& totals) {
   PairResult of_block;
-  const auto add_impulse = [&](std::size_t w, const Vec3& on_wall) {
-    std::array<ExactSum, 3>& impulse = totals.impulse[w];
-    impulse[0].add(dt * on_wall.x);
-    impulse[1].add(dt * on_wall.y);
-    impulse[2].add(dt * on_wall.z);
-  };
+  ImpulsesOfWall impulses(totals);
+  const auto add_impulse = [&](std::size_t w, const Vec3& on_wall) { impulses.add(w, dt * on_wall); };
   for (const std::int32_t k : pairs) {
     const BodyPair& pair = s.pairs.stored_pairs()[static_cast<std::size_t>(k)];
     const auto w = static_cast<std::size_t>(s.scene.zones()[static_cast<std::size_t>(pair.key.zone)].wall);

@@ -62,6 +62,42 @@ TEST(ExactSum, has_the_same_words_in_any_order_and_in_any_parts) {
   EXPECT_EQ(forward.words(), joined.words());
 }
 
+void expect_many_as_one_by_one(const std::vector<double>& terms, const char* what) {
+  for (std::size_t count = 0; count <= terms.size(); ++count) {
+    ExactSum one_by_one, together;
+    for (std::size_t i = 0; i < count; ++i) one_by_one.add(terms[i]);
+    ManyTerms some;
+    some.fill(7);  // what lies beyond is not a term
+    std::copy_n(terms.begin(), count, some.begin());
+    together.add_many(some, count);
+    ASSERT_EQ(one_by_one.words(), together.words()) << what << ", " << count << " terms";
+  }
+}
+
+TEST(ExactSum, many_terms_at_once_have_the_words_of_one_after_the_other) {
+  constexpr double kMost = std::numeric_limits<double>::max(), kLeast = std::numeric_limits<double>::denorm_min();
+  constexpr double kInfinite = std::numeric_limits<double>::infinity(), kNone = std::numeric_limits<double>::quiet_NaN();
+  std::mt19937_64 g(11);
+  std::normal_distribution<double> near(1e-7, 1e-8);
+  std::vector<double> alike(64), edges = {1, -1, 0, -0.0, 0x1p-53, -0x1p-52, 3, kLeast, -0x1p-1022, 0x1p-900, 0x1p-899, -0x1p900, 1e-160};
+  for (double& t : alike) t = near(g);
+  std::vector<double> powers;
+  for (int k = 0; k < 64; ++k) powers.push_back(std::ldexp(k % 3 == 0 ? -1.0 : 1.0, 3 * k - 90));
+  const auto with = [&](double odd) {
+    std::vector<double> terms = alike;
+    terms[17] = odd;
+    return terms;
+  };
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    expect_many_as_one_by_one(wild_terms(seed, 64), "wild");
+  }
+  for (const double odd : {0.0, kLeast, 0x1p-108, -0x1p-107, 0x1p-106, 1e-40, 1e25, kMost, kInfinite, kNone}) {
+    expect_many_as_one_by_one(with(odd), "alike");
+  }
+  expect_many_as_one_by_one(edges, "edges");
+  expect_many_as_one_by_one(powers, "powers of two");
+}
+
 TEST(ExactSum, holds_the_smallest_and_the_largest_double_and_tells_what_is_no_number) {
   using Limits = std::numeric_limits<double>;
   ExactSum sum;
