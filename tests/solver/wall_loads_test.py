@@ -97,6 +97,58 @@ def a_load_map_changes_nothing_that_moves():
         assert numpy.array_equal(f["x"], g["x"])
 
 
+def a_map_follows_the_step():
+    """A rock lies on a plate while another one, thrown up beside it, has the step change: the map adds up to the impulse of the wall."""
+    text = """
+gravity = [0, 0, -200]
+[time]
+duration = "30 ms"
+step_control = "quantised"
+steps_per_contact = 8
+[contact]
+margin = "0.3 mm"
+[materials.m]
+density = 2500
+[[pairs]]
+between = ["m", "m"]
+stiffness = "40 kN/m"
+restitution = 0.5
+friction = 0.5
+[shapes.rock]
+file = "rock.shape.h5"
+[[bodies]]
+shape = "rock"
+material = "m"
+position = [0, 0, "4.7 mm"]
+[[bodies]]
+shape = "rock"
+material = "m"
+position = ["60 mm", 0, "20 mm"]
+velocity = [0, 0, "3 m/s"]
+[[walls]]
+name = "plate"
+shape = { plate = { corner = [-0.1, -0.1, 0], side_a = [0.2, 0, 0], side_b = [0, 0.2, 0] } }
+material = "m"
+load_map = true
+[output]
+every = "1 ms"
+"""
+    subprocess.run([os.path.join(BIN, "scree-mesher"), "generate", "box", "--size", "12 mm, 10 mm, 9 mm", "-o", "rock.shape.h5"], check=True, env=ENV,
+                   capture_output=True)
+    pack("falls", text)
+    run(1, "falls.scene.h5", "-o", "falls.run")
+    with open("falls.run/steps.csv") as file:
+        changes = [line.split(",") for line in file.read().splitlines()[1:] if not line.startswith("#")]
+    log = physics_of_log("falls.run")
+    named = log[0]
+    rows = {row[named.index("time")]: row for row in log[1:] if not row[0].startswith("#")}
+    last = list(rows.values())[-1]
+    logged = numpy.array([float(last[named.index(f"wall2_impulse_{axis}")]) for axis in "xyz"])
+    mapped = frames("falls.run")[-1]["loads/impulse"].sum(axis=0)
+    assert len(changes) > 2, changes
+    assert abs(logged[2]) > 1e-4 and numpy.abs(mapped - logged).max() < 1e-12 * abs(logged[2]), (mapped, logged, changes)
+
+
 def wear_does_not_depend_on_output():
     make_drum("often")
     make_drum("seldom", **{"every = 0.02": "every = 0.1", "checkpoint = 0.03": "checkpoint = 0"})
@@ -181,5 +233,5 @@ def the_plan_tells_maps_and_wear():
     assert "no wall has one" in said and "no wall wears" in said, said
 
 
-main([the_same_bits_on_any_ranks_and_threads_and_after_a_restart, a_load_map_changes_nothing_that_moves, wear_does_not_depend_on_output,
+main([the_same_bits_on_any_ranks_and_threads_and_after_a_restart, a_load_map_changes_nothing_that_moves, a_map_follows_the_step, wear_does_not_depend_on_output,
       a_worn_wall_can_be_used_again, triangles_as_small_as_asked_for_change_no_flat_wall, too_much_wear_at_a_time_is_told, mistakes_are_told_with_their_line, the_plan_tells_maps_and_wear])

@@ -161,6 +161,11 @@ void LoadMaps::after_kick(RunState& s) {
   for (const std::vector<LoadEntry>& of_thread : entries_) add_entries(s, of_thread, s.clock.dt, true, map_);
 }
 
+/// As for the impulse of the wall (StepLevels::change).
+void LoadMaps::on_step_change(RunState& s, double difference) {
+  for (const std::vector<LoadEntry>& of_thread : entries_) add_entries(s, of_thread, difference, false, map_);
+}
+
 /// Pieces of one fragment strike together, on any ranks.
 void LoadMaps::end_step(const StepParts& parts) {
   if (!parts.state.fragments) return;

@@ -70,6 +70,7 @@ class LoadMaps : public Effect, public PairObserver {
   void observe(const PairContact& contact) override;
   void start(RunState& s) override;
   void after_kick(RunState& s) override;
+  void on_step_change(RunState& s, double difference) override;
   void end_step(const StepParts& parts) override;
 
   EffectRecord record(const RunState& s) const override;
