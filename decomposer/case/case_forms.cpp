@@ -145,6 +145,16 @@ void lifters_section(CaseKeys& k, double radius, Lifters& lifters) {
   if (t == nullptr) return;
   lifters.count = static_cast<int>(std::min<std::int64_t>(count, 1 << 20));
   if (!(lifters.height < radius)) throw t->error("height", fmt::format("must be less than the radius of the drum ({:g} m)", radius));
+  // a bar ends in a flat top between two corners
+  const double corner = std::hypot(radius - lifters.height, 0.5 * lifters.top_width);
+  if (!(corner < radius)) {
+    const double half = 0.5 * lifters.top_width;
+    throw t->error(
+        "height", half < radius ? fmt::format("the corners of bars that are {:g} m wide at their top stand outside the drum; give a height "
+                                              "above {:g} m, or narrower bars",
+                                              lifters.top_width, radius - std::sqrt(radius * radius - half * half))
+                                : "the bars are wider than the drum");
+  }
   const double half_pitch = std::numbers::pi / lifters.count;
   const auto fits = [&](double width, double at) { return 0.5 * width < at * std::sin(std::min(half_pitch, 0.5 * std::numbers::pi)); };
   if (!fits(lifters.width, radius) || !fits(lifters.top_width, radius - lifters.height)) {

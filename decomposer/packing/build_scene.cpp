@@ -396,6 +396,13 @@ class Builder {
     const CaseWall& wall = case_.walls[index];
     const Wall& placed = parts_.walls[index];
     if (placed.kind != WallKind::mesh) return region_of(placed);
+    if (parts_.wall_is_solid[index]) {
+      throw InputError(
+          "{}: inside_wall = \"{}\": {} is a solid, and no body lies in a solid; make it a surface (scree-mesher import MESH --surface), "
+          "or "
+          "give region = {{ box = [[x, y, z], [x, y, z]] }}",
+          where, wall.wall.name, wall.file);
+    }
     TriangleMesh mesh = wall.form ? wall.form->inside : parts_.wall_shapes[index].shape.mesh;
     if (!wall.form && !is_closed(mesh)) {
       throw InputError(

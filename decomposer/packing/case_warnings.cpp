@@ -156,6 +156,14 @@ void warn_of_times(const Case& c, std::vector<std::string>& warnings) {
                                    s.duration / s.output_every, seconds(s.duration)));
   }
   for (const CaseWall& w : c.walls) {
+    if (w.wall.wear > 0 && w.wall.wear_every > s.duration) {
+      warnings.push_back(
+          fmt::format("{}: wear.every = {} is longer than the run of {}: the wall keeps its shape in the run; its file at the end has what "
+                      "was worn off",
+                      w.where, seconds(w.wall.wear_every), seconds(s.duration)));
+    }
+  }
+  for (const CaseWall& w : c.walls) {
     for (const auto& [motion, what] : {std::pair{&w.wall.motion, "wall"}, std::pair{&w.wall.surface.motion, "the surface of wall"}}) {
       if (!motion->is_prescribed() || motion->start < s.duration) continue;
       warnings.push_back(fmt::format("{}: {} '{}' starts to move at {}, and the run ends at {}", w.where, what, w.wall.name,

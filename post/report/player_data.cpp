@@ -101,11 +101,12 @@ std::string text_of(const std::vector<T>& values) {
 
 nlohmann::json table_json(const std::map<BodyKey, std::size_t>& table) {
   std::vector<double> id;
-  std::vector<std::uint16_t> shape, material;
+  std::vector<std::uint32_t> shape;  // pieces of bodies may be more than 65 535 shapes
+  std::vector<std::uint16_t> material;
   std::vector<float> scale;
   for (const auto& [key, row] : table) {
     id.push_back(static_cast<double>(std::get<0>(key)));
-    shape.push_back(static_cast<std::uint16_t>(std::get<1>(key)));
+    shape.push_back(static_cast<std::uint32_t>(std::get<1>(key)));
     material.push_back(static_cast<std::uint16_t>(std::get<2>(key)));
     scale.push_back(static_cast<float>(std::get<3>(key)));
   }

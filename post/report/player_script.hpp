@@ -56,7 +56,7 @@ function allFrames(data, play) {
       if (now[name]) for (let c = 0; c < width; ++c) now[name][width * row + c] = exact.now[name][width * from + c];
     }
   }
-  return {count, id: unpacked(table.id, Float64Array), shape: unpacked(table.shape, Uint16Array), material: unpacked(table.material, Uint16Array),
+  return {count, id: unpacked(table.id, Float64Array), shape: unpacked(table.shape, Uint32Array), material: unpacked(table.material, Uint16Array),
     scale: unpacked(table.scale, Float32Array), frames: play.frames, chosen: play.chosen, contacts: play.contacts, scales: play.scales, now, load};
 }
 // Buttons, slider and keys. Nothing plays before the reader asks for it, whatever the reader's settings of motion are.

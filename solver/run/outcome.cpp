@@ -48,8 +48,19 @@ nlohmann::json memory_json(const std::vector<RankMeasures>& ranks) {
   return {{"bytes_per_body", bodies > 0 ? body_bytes / bodies : 0.0}, {"bytes_per_ghost", ghosts > 0 ? ghost_bytes / ghosts : 0.0}};
 }
 
+/// What an inlet was to bring in by its rate, count and limit. A limit in the other unit than the rate is converted by the mean mass of
+/// what has come in.
+double owed_at(const Inlet& inlet, const InletState& state, double time) {
+  const double owed = inlet.owed(time), count = static_cast<double>(state.count);
+  if (state.count == 0) return owed;
+  const double mean = state.mass / count;
+  if (inlet.rate.by_number) return std::min(owed, count + std::max(0.0, inlet.limit - state.mass) / mean);
+  return inlet.count < 0 ? owed
+                         : std::min(owed, state.mass + static_cast<double>(std::max<std::int64_t>(0, inlet.count - state.count)) * mean);
+}
+
 nlohmann::json inlet_json(const Inlet& inlet, const InletState& state, double time) {
-  const double owed = inlet.owed(time), had = inlet.rate.by_number ? static_cast<double>(state.count) : state.mass;
+  const double owed = owed_at(inlet, state, time), had = inlet.rate.by_number ? static_cast<double>(state.count) : state.mass;
   nlohmann::json j;
   j["name"] = inlet.name;
   j["bodies"] = state.count;
@@ -65,15 +76,14 @@ nlohmann::json inlet_json(const Inlet& inlet, const InletState& state, double ti
 }
 
 /// Of the walls that wear; each is written as a shape, as it is at the end.
-nlohmann::json worn_walls(const RunState& s, const std::string& folder, const nlohmann::json& provenance) {
+nlohmann::json worn_walls(const Scene& scene, const std::vector<WornWall>& worn, const std::string& folder,
+                          const nlohmann::json& provenance) {
   nlohmann::json walls;
-  for (std::size_t w = 0; w < s.scene.source().walls.size(); ++w) {
-    const Wall& wall = s.scene.source().walls[w];
-    if (s.scene.first_worn(w) < 0) continue;
+  for (const WornWall& w : worn) {
+    const Wall& wall = scene.walls[w.wall];
     const std::string file = fmt::format("wall{}_worn.shape.h5", wall.id);
-    write_shape_file(folder + "/" + file, {make_surface(wall.name, s.scene.wall_shape(static_cast<std::int32_t>(w)).mesh)}, provenance);
-    const WornAway away = s.effect<Wear>()->worn_away(s, w);
-    walls.push_back({{"wall", wall.id}, {"name", wall.name}, {"volume", away.volume}, {"depth", away.depth}, {"file", file}});
+    write_shape_file(folder + "/" + file, {make_surface(wall.name, w.mesh)}, provenance);
+    walls.push_back({{"wall", wall.id}, {"name", wall.name}, {"volume", w.volume}, {"depth", w.depth}, {"file", file}});
   }
   return walls;
 }
@@ -133,6 +143,8 @@ void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const 
   const std::int64_t held = outer == nullptr ? 0 : outer->held_count(simulation.state());
   const bool continues = simulation.state().scene.continues();
   const DeepTotals deep = continues ? over_ranks(comm.get(), simulation.state().totals.deep) : DeepTotals{};
+  const auto* const wear = simulation.state().effect<Wear>();
+  const std::vector<WornWall> worn = wear == nullptr ? std::vector<WornWall>{} : wear->at_end(simulation.state());
   const std::vector<RankMeasures> ranks = gather_measures(comm, rank_measures(simulation));
   mpi::on_root(comm, [&] {
     nlohmann::json run;
@@ -170,7 +182,7 @@ void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const 
       run["inlets"].push_back(inlet_json(loaded.scene.inlets[k], simulation.state().totals.inlets[k], simulation.time()));
     if (continues) run["deep_contacts"] = deep_json(simulation.state(), deep, loaded.origin);
     if (nlohmann::json drives = drives_json(simulation.state()); !drives.empty()) run["drives"] = std::move(drives);
-    if (simulation.state().scene.worn_vertices() > 0) run["wear"] = worn_walls(simulation.state(), options.run_folder, provenance);
+    if (!worn.empty()) run["wear"] = worn_walls(simulation.state().scene.source(), worn, options.run_folder, provenance);
     run["lost_bodies"] = static_cast<std::int64_t>(loaded.scene.bodies.size()) + static_cast<std::int64_t>(arrived.count) - bodies -
                          static_cast<std::int64_t>(removed.count);
     run["bodies_outside_domain"] = outside;

@@ -35,11 +35,12 @@ std::string size_fault(const SolverScene& scene, std::int32_t shape, std::int32_
   const char* const cure = "give a scale within that, or give the case a body or an inlet of this size";
   if (changes_margins(scene, made_for, with))
     return fmt::format(
-        "an equivalent radius of {:g} m, for which the margins of the scene were not made (contact.margin_ratio): its bodies and inlets "
-        "have margins from {:g} "
-        "to {:g} m and equivalent radii of at most {:g} m; {}",
-        radius, made_for.least_margin < BodyExtremes::kNone ? made_for.least_margin : 0, made_for.largest_margin, largest_radius(made_for),
-        cure);
+        "an equivalent radius of {:g} m, for which the margins and the tables of mesh walls were not made (contact.margin_ratio): bodies "
+        "and "
+        "inlets of the case have margins from {:g} to {:g} m, {}equivalent radii of at most {:g} m; {}",
+        radius, made_for.least_margin < BodyExtremes::kNone ? made_for.least_margin : 0, made_for.largest_margin,
+        made_for.least_ball < BodyExtremes::kNone ? fmt::format("balls of at least {:g} m and ", made_for.least_ball) : "",
+        largest_radius(made_for), cure);
   for (const MaterialPair& pair : source.pairs) {
     if (!attracts(pair) || (pair.a != material && pair.b != material)) continue;
     const Material &a = source.materials[static_cast<std::size_t>(pair.a)], &b = source.materials[static_cast<std::size_t>(pair.b)];

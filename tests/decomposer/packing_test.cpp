@@ -378,6 +378,12 @@ TEST_F(Packing, regions_may_be_cylinders_spheres_and_the_insides_of_walls) {
         EXPECT_LE(p[k] - (k == 0 ? 3 : 0), box.upper[k] - 0.015);
       }
     }
+    if (!faces_in) {
+      write_shape_file((folder_ / "crate.shape.h5").string(), {make_solid("crate", crate)}, {});
+      EXPECT_NE(
+          failure(kHead + population + "region = { inside_wall = \"crate\" }\n" + file, ExitCode::bad_data).find("is a solid, and no body"),
+          std::string::npos);
+    }
     TriangleMesh open = crate;
     open.triangles.pop_back();
     write_shape_file((folder_ / "crate.shape.h5").string(), {make_surface("crate", open)}, {});

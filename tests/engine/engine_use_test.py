@@ -495,7 +495,7 @@ def places_and_sizes_of_new_bodies_are_checked():
     pack("rocks", MARGINS % "")
     with scree.Engine("rocks.scene.h5") as engine:
         scale = float(engine.bodies.scale.max())
-        refused(scree.UsageError, "for which the margins of the scene were not made (contact.margin_ratio)", lambda: engine.insert("rock", "glass", [0.1, 0, 0], scale=1.5 * scale))
+        refused(scree.UsageError, "for which the margins and the tables of mesh walls were not made (contact.margin_ratio)", lambda: engine.insert("rock", "glass", [0.1, 0, 0], scale=1.5 * scale))
         refused(scree.UsageError, "give the case a body or an inlet of this size", lambda: engine.insert("rock", "glass", [0.1, 0, 0], scale=0.5 * scale))
         engine.insert("rock", "glass", [0.1, 0, 0], scale=scale)
         engine.step()

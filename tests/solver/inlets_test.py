@@ -221,6 +221,25 @@ def a_limit_ends_an_inlet_to_a_body():
     assert record["inlets"][0]["bodies"] == round(0.5 / mass) and record["inlets"][0]["shortfall"] == 0, record["inlets"]
     computed("count", text.replace("limit = 0.5", "count = 7"))
     assert outcome("count.run")["inlets"][0]["bodies"] == 7
+    # 20 balls of 0.2 kg/s, for which there is no room: what is owed is the mass of 20
+    text = head(0.2) + """
+[[inlets]]
+shape = "ball"
+material = "m"
+region = { box = [[-0.03, -0.03, 0.02], [0.03, 0.03, 0.08]] }
+velocity = [0, 0, -0.01]
+rate = 1000
+count = 200
+[[walls]]
+shape = { plane = { point = [0, 0, 0], normal = [0, 0, 1] } }
+material = "m"
+"""
+    for name, rate, limit in (("by_mass", "rate = 1000", "count = 200"), ("by_number", "number_rate = 1e5", f"limit = {200 * mass}")):
+        computed(name, text.replace("rate = 1000", rate).replace("count = 200", limit))
+        inlet = outcome(f"{name}.run")["inlets"][0]
+        one = mass if name == "by_mass" else 1
+        assert inlet["bodies"] < 200 and abs(inlet["owed"] - 200 * one) < 1e-9 * inlet["owed"], inlet
+        assert abs(inlet["shortfall"] - (200 - inlet["bodies"]) * one) < 1e-9 * inlet["owed"], inlet
 
 
 def a_blocked_inlet_waits_and_says_so_once_or_ends_the_run():

@@ -167,12 +167,27 @@ def a_worn_wall_can_be_used_again():
         group.visit(names.append)
         path = next(name for name in names if name.endswith("vertices"))
         vertices = group[path][()]
-    assert numpy.array_equal(vertices, frames("drum.run")[-1]["wear/vertex"])
+    # the file has what slid since the wall was last worn, too: less than in one interval of the run
+    last, before = frames("drum.run")[-1], frames("drum.run")[-2]
+    since = numpy.linalg.norm(vertices - last["wear/vertex"], axis=1).max()
+    assert 0 < since < numpy.linalg.norm(last["wear/vertex"] - before["wear/vertex"], axis=1).max(), since
+    slid = last["loads/sliding_work"][last["loads/wall"] == worn["wall"]].sum()
+    assert abs(worn["volume"] - 2e-7 * slid) < 1e-12 * worn["volume"], (worn, slid)
     shape = 'shape = { drum = { start = [0, 0, 0], end = [0, 0.06, 0], radius = 0.075, segments = 24, lifters = { count = 6, height = "6 mm", width = "8 mm" } } }'
     assert shape in DRUM
     make_drum("next", **{shape: f'shape = {{ file = "drum.run/{worn["file"]}" }}'})
     run(1, "next.scene.h5", "-o", "next.run")
     assert outcome("next.run")["wear"][0]["volume"] > 0
+
+
+def a_wall_is_worn_at_the_end_where_no_interval_ends_before():
+    """The wall keeps its shape during such a run; the file of the worn wall has what slid on it, and pack says so."""
+    make_drum(words='wear = { coefficient = 2e-7, every = "1 s" }')
+    run(1, "drum.scene.h5", "-o", "drum.run")
+    worn, last = outcome("drum.run")["wear"][0], frames("drum.run")[-1]
+    slid = last["loads/sliding_work"][last["loads/wall"] == worn["wall"]].sum()
+    assert slid > 1e-6 and abs(worn["volume"] - 2e-7 * slid) < 1e-12 * worn["volume"] and worn["depth"] > 0, (worn, slid)
+    assert numpy.array_equal(last["wear/vertex"], frames("drum.run")[0]["wear/vertex"])
 
 
 def triangles_as_small_as_asked_for_change_no_flat_wall():
@@ -234,4 +249,4 @@ def the_plan_tells_maps_and_wear():
 
 
 main([the_same_bits_on_any_ranks_and_threads_and_after_a_restart, a_load_map_changes_nothing_that_moves, a_map_follows_the_step, wear_does_not_depend_on_output,
-      a_worn_wall_can_be_used_again, triangles_as_small_as_asked_for_change_no_flat_wall, too_much_wear_at_a_time_is_told, mistakes_are_told_with_their_line, the_plan_tells_maps_and_wear])
+      a_worn_wall_can_be_used_again, a_wall_is_worn_at_the_end_where_no_interval_ends_before, triangles_as_small_as_asked_for_change_no_flat_wall, too_much_wear_at_a_time_is_told, mistakes_are_told_with_their_line, the_plan_tells_maps_and_wear])

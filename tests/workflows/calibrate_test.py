@@ -265,6 +265,7 @@ good = {"target": "heap:angle_of_repose=34+-1", "keys": "pairs.0.friction=0.1..0
 settings = read({**good, "size": "small"})
 assert settings.budget < 60 and settings.words == ("ranks=1", "size=small") and settings.targets[0].uncertainty == 1
 assert read({**good, "target": "heap: angle_of_repose = 34 ± 1 deg"}).targets[0].unit == "deg"
+assert read({**good, "target": "heap:granular_temperature=1e-3 m^2/s^2+-1e-4 m^2/s^2"}).targets[0].unit == "m^2/s^2"
 assert read({**good, "target": {"heap": "mass=12+-1 g"}}).targets[0].unit == "g"          # Snakemake reads "heap: mass" as a table
 assert read({**good, "target": "hopper/hopper-ball-11:discharge_rate.last=50 g/s+-2 g/s"}).targets[0].scene.run == "hopper-ball-11"
 assert read({**good, "target": "heap:power@wall 0 plate.max=-1e-3+-1e-4"}).targets[0].group == "wall 0 plate"
@@ -285,6 +286,11 @@ refused({**good, "keys": "pairs.0.friction=0.5..0.5"}, "not below")
 refused({**good, "keys": "pairs.0.friction=0..0.5 log"}, "lower bound above 0")
 refused({**good, "keys": "populations.0.size=1 mm..5 kg"}, "units of different kinds")
 refused({**good, "keys": "pairs.0.friction=0..1;pairs.0.friction=0..1"}, "is there twice")
+refused({**good, "keys": "pairs.0.friction=0..0.5;pairs.*.friction=0.6..1"}, "pairs.0.friction and pairs.*.friction change the same key")
+refused({**good, "set": "pairs.*.friction=0.9", "keys": "pairs.0.friction=0..1"}, "set: pairs.*.friction and the key pairs.0.friction change the same key")
+refused({**good, "set": "seed=7"}, "set: 'seed' is what replicas differ in")
+refused({**good, "target": "heap:a=1e400+-1"}, "a number is too large")
+refused({**good, "keys": "pairs.0.friction=0..1e400"}, "a bound is too large")
 refused({**good, "keys": "drum:pairs.0.friction=0..1"}, "no target has the scene 'drum'")
 refused({**good, "keys": "seed=1..5"}, "'seed' is what replicas differ in")
 refused({**good, "keys": ";".join(f"k{n}=0..1" for n in range(7))}, "7 found; expected 1 to 6")

@@ -134,7 +134,7 @@ def scene_of(name, folder, what):
 
 
 def target_of(part, default, folder):
-    match = re.fullmatch(rf"(?:(?P<scene>[^:=@]*):)?\s*(?P<quantity>\w+)(?:@(?P<group>[^=]*?))?(?:\.(?P<kind>\w+))?\s*=\s*(?P<value>{NUMBER})\s*(?P<unit>[^-+0-9]*?)\s*"
+    match = re.fullmatch(rf"(?:(?P<scene>[^:=@]*):)?\s*(?P<quantity>\w+)(?:@(?P<group>[^=]*?))?(?:\.(?P<kind>\w+))?\s*=\s*(?P<value>{NUMBER})\s*(?P<unit>[^+±]*?)\s*"
                          rf"(?:\+-|±)\s*(?P<uncertainty>{NUMBER})\s*(?P<after>.*)", part)
     if not match:
         raise ValueError(f"target: '{part}' found; expected [SCENE:]QUANTITY[.last]=VALUE+-UNCERTAINTY[ UNIT], for instance heap:angle_of_repose=34+-1. "
@@ -148,6 +148,8 @@ def target_of(part, default, folder):
     if unit and unit_of(unit) is None:
         raise ValueError(f"target: '{part}': '{unit}' is no unit that Scree knows")
     uncertainty = float(match["uncertainty"])
+    if not math.isfinite(float(match["value"])) or not math.isfinite(uncertainty):
+        raise ValueError(f"target: '{part}': a number is too large")
     if not uncertainty > 0:
         raise ValueError(f"target: '{part}': the uncertainty is {uncertainty:g}; expected one above 0: half of the 95 % interval of the measurement")
     return Target(scene_of((match["scene"] or "").strip() or default, folder, "target"), match["quantity"], (match["group"] or "all").strip(), kind, part.split("=", 1)[1].strip(),
@@ -166,6 +168,13 @@ def path_of(text, scenes, what):
     return (prefix.strip() if colon else None), path
 
 
+def same_key(one, other):
+    """Whether two (scene or None, path) change a key of the same case; '*' stands for any part."""
+    (scene, path), (of, others) = one, other
+    parts, their = path.split("."), others.split(".")
+    return (scene is None or of is None or scene == of) and len(parts) == len(their) and all(a == b or "*" in (a, b) for a, b in zip(parts, their))
+
+
 def key_of(part, scenes):
     names, equals, bounds = part.partition("=")
     low_text, dots, high_text = bounds.partition("..")
@@ -179,6 +188,8 @@ def key_of(part, scenes):
     if unit and unit_of(unit) is None or low[2] and unit_of(low[2]) is None:
         raise ValueError(f"keys: '{part}': '{unit if unit_of(unit) is None else low[2]}' is no unit that Scree knows")
     bottom, top = float(low[1]), float(high[1])
+    if not math.isfinite(bottom) or not math.isfinite(top):
+        raise ValueError(f"keys: '{part}': a bound is too large")
     if low[2] and low[2] != unit:
         if unit_of(low[2])[1] != unit_of(unit)[1]:
             raise ValueError(f"keys: '{part}': the bounds have units of different kinds, {low[2]} and {unit}")
@@ -254,15 +265,21 @@ def read(config, folder="."):
     if not 1 <= len(keys) <= MOST_KEYS:
         raise ValueError(f"keys: {len(keys)} found; expected 1 to {MOST_KEYS}")
     paths = [path for key in keys for path in key.paths]
-    for path in paths:
-        if paths.count(path) > 1:
-            raise ValueError(f"keys: {path[1]} is there twice")
+    for number, path in enumerate(paths):
+        for other in paths[:number]:
+            if same_key(path, other):
+                raise ValueError(f"keys: {path[1]} is there twice" if path == other else f"keys: {other[1]} and {path[1]} change the same key")
     fixed = []
     for part in parts_of(asked.get("set", "")):
         path, equals, value = part.partition("=")
         if not equals or not value.strip():
             raise ValueError(f"set: '{part}' found; expected KEY=VALUE, for instance populations.0.count=400")
         scene, path = path_of(path, [*scenes, *experiments], "set")
+        if path == "seed":
+            raise ValueError("set: 'seed' is what replicas differ in; give seed=NUMBER to begin with another one")
+        for key in paths:
+            if same_key((scene, path), key):
+                raise ValueError(f"set: {path} and the key {key[1]} change the same key; leave one out")
         fixed.append((scene, f"{path}={value.strip()}"))
     numbers = {name: number_of(config, name, kind, low) for name, kind, low in (
         ("budget", int, 1), ("start", int, 4), ("replicas", int, 1), ("batch", int, 1), ("stop", float, 0), ("seed", int, 0), ("survey", int, FEWEST))}

@@ -1,10 +1,12 @@
 """What the two JSON files of a capsule say, checked before any of it is used: ro-crate-metadata.json and capsule.json."""
 import json
 import re
+import tomllib
 from urllib.parse import unquote
 
 from archive import Bad, wrong_name
 from crate import METADATA, PROFILE
+from recipe import PATHS, texts
 
 CAPSULE = "capsule.json"
 FORMAT, FORMAT_VERSION = "scree-capsule", 1
@@ -110,6 +112,24 @@ def check_words(read, words, place, files, shapes):
             raise read.wrong(f"{place}[{number}]", word, "a word without a path that is no output")
 
 
+def check_case(archive, read, run, place, shapes):
+    """The files that a case names, as settings have changed them: shapes of the capsule, and the run that it begins with."""
+    try:
+        case = tomllib.loads(archive.read(run["case"]).decode())
+    except (ValueError, RecursionError) as error:
+        raise read.wrong(f"{place}.case", run["case"], f"a file of the case language ({error})") from None
+    named = dict(texts(case))
+    for setting in run["settings"]:
+        key, _, value = setting.partition("=")
+        named[tuple(part.strip() for part in key.split("."))] = value.strip()
+    start = f"{run.get('start')}.run"
+    for key, text in named.items():
+        if key == ("start", "run") and text != start:
+            raise read.wrong(f"{place}: start.run of {run['case']}", text, f"'{start}'" if run.get("start") is not None else "no start, as in capsule.json")
+        if key[-1] in PATHS and text not in shapes:
+            raise read.wrong(f"{place}: {'.'.join(key)} of {run['case']}", text, "a shape of the capsule")
+
+
 def check_capsule(archive):
     """The content of capsule.json. Its names stay inside the folder of verify, and its words start nothing but the three tools."""
     capsule = read_json(archive, CAPSULE)
@@ -155,8 +175,8 @@ def check_capsule(archive):
     for number, run in enumerate(capsule["runs"]):
         place = f"runs[{number}]"
         name = read.name(run, place, "name")
-        if "/" in name or name in runs:
-            raise read.wrong(f"{place}.name", name, "a name without '/', different from the other runs")
+        if "/" in name or name in runs or len(name.encode()) > 200:   # files get longer names
+            raise read.wrong(f"{place}.name", name, "a name without '/' of at most 200 bytes, different from the other runs")
         if read.text(run, place, "case") not in archive.files:
             raise read.wrong(f"{place}.case", run["case"], "a file of the capsule")
         for setting in read.list(run, place, "settings"):
@@ -167,6 +187,8 @@ def check_capsule(archive):
         read.text(run, place, "state_hash", STATE_HASH, "32 hexadecimal digits")
         read.text(run, place, "git")
         read.count(run, place, "steps")
-        read.text(run, place, "log")
+        if read.text(run, place, "log") not in archive.files:
+            raise read.wrong(f"{place}.log", run["log"], "a file of the capsule")
+        check_case(archive, read, run, place, shapes)
         runs.add(name)
     return capsule, left_out

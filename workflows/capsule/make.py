@@ -196,7 +196,7 @@ def main():
     target, limit, name, *words = sys.argv[1:]
     run_snakemake_first(words)
     try:
-        capsule, count = make(target, int(limit) * 1_000_000, name, without_profile(words[1:]))
+        capsule, count = make(target, round(float(limit) * 1_000_000), name, without_profile(words[1:]))
     except (Refused, Bad) as reason:
         print(f"workflows/run: error: no capsule: {reason}", file=sys.stderr)
         sys.exit(3)

@@ -200,15 +200,26 @@ void Wear::begin(RunState& s) {
   }
 }
 
-WornAway Wear::worn_away(const RunState& s, std::size_t wall) const {
-  const Wall& of = s.scene.source().walls[wall];
-  WornAway away;
-  const TriangleMesh& mesh = mesh_of(s, wall);
-  for (std::int32_t t = 0; t < mesh.triangle_count(); ++t)
-    away.volume += of.wear * state_.work[static_cast<std::size_t>(s.scene.first_mapped(wall) + t)];
-  const std::vector<Vec3>& drawn = s.scene.shape(of.shape).mesh.vertices;
-  for (std::size_t v = 0; v < drawn.size(); ++v) away.depth = std::max(away.depth, of.scale * length(mesh.vertices[v] - drawn[v]));
-  return away;
+std::vector<WornWall> Wear::at_end(const RunState& s) const {
+  const LoadMap loads = s.effect<LoadMaps>()->of_all_ranks(s);
+  std::vector<WornWall> walls;
+  for (std::size_t w = 0; w < s.scene.source().walls.size(); ++w) {
+    if (s.scene.first_worn(w) < 0) continue;
+    const Wall& of = s.scene.source().walls[w];
+    WornWall worn{w, mesh_of(s, w)};
+    std::vector<double> work = state_.work;
+    try {
+      worn.mesh.vertices = worn_vertices(worn.mesh, wear_due(s, w, loads, work));
+    } catch (const InputError&) {
+      work = state_.work;
+    }
+    for (std::int32_t t = 0; t < worn.mesh.triangle_count(); ++t)
+      worn.volume += of.wear * work[static_cast<std::size_t>(s.scene.first_mapped(w) + t)];
+    const std::vector<Vec3>& drawn = s.scene.shape(of.shape).mesh.vertices;
+    for (std::size_t v = 0; v < drawn.size(); ++v) worn.depth = std::max(worn.depth, of.scale * length(worn.mesh.vertices[v] - drawn[v]));
+    walls.push_back(std::move(worn));
+  }
+  return walls;
 }
 
 EffectRecord Wear::record(const RunState&) const {

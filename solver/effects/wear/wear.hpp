@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/geometry/vec3.hpp"
+#include "core/geometry/triangle_mesh.hpp"
 #include "solver/state/effect.hpp"
 
 namespace scree {
@@ -30,9 +30,12 @@ struct WearState {
   std::vector<double> work;    ///< of each triangle of a load map: the sliding work that its wall has been worn for [J]
 };
 
-/// Volume that a wall has lost so far [m^3], and how far its farthest vertex has receded [m].
-struct WornAway {
-  double volume = 0, depth = 0;
+/// A wall with all that slid on it, what slid since it was last worn included.
+struct WornWall {
+  std::size_t wall;
+  TriangleMesh mesh;  ///< as the state's where that cannot be worn further
+  double volume = 0;  ///< that it has lost [m^3]
+  double depth = 0;   ///< how far its farthest vertex has receded [m]
 };
 
 /// The effect, for those that read what walls have lost.
@@ -49,7 +52,8 @@ class Wear : public Effect {
   void add_frame(const RunState& s, Frame& frame) const override;
   std::vector<PlanLine> plan(const RunState& s) const override;
 
-  WornAway worn_away(const RunState& s, std::size_t wall) const;
+  /// All walls that wear, at the end of a run. The state stays as it is. Collective.
+  std::vector<WornWall> at_end(const RunState& s) const;
 
  private:
   void wear_walls(const StepParts& parts, const std::vector<std::size_t>& due);
