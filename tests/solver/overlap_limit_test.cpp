@@ -195,7 +195,7 @@ TEST(DeepContact, refuses_what_it_does_not_go_with) {
     return std::string();
   };
   EXPECT_EQ(message([](Scene&) {}), "");
-  EXPECT_NE(message([](Scene& s) { s.walls[1].motion = {}; }).find("no wall of this scene moves"), std::string::npos);
+  EXPECT_EQ(message([](Scene& s) { s.walls[1].motion = {}; }), "") << "a run goes on where its motions have ended";
   EXPECT_NE(message([](Scene& s) { s.settings.barrier = 10; }).find("does not go with contact.barrier"), std::string::npos);
   EXPECT_NE(message([](Scene& s) { s.settings.gather = Gathering::pairs; }).find("contact.gather = \"potential\" only"), std::string::npos);
 }
