@@ -66,8 +66,9 @@ class FixedPointSum {
   /// Adds many terms: the same sum, to the bit, in a fifth of the time where their exponents are near each other.   in, out   terms   used
   /// up
   void add_many(ManyTerms& terms, std::size_t count) requires(kLowest == -1074) {
+    constexpr std::size_t kWorthIt = 8;  // terms; fewer are added sooner one by one
     ManyTerms parts;
-    const std::size_t found = find_exact_parts(terms, count, parts);
+    const std::size_t found = count < kWorthIt ? 0 : find_exact_parts(terms, count, parts);
     const ManyTerms& added = found > 0 ? parts : terms;
     for (std::size_t i = 0; i < (found > 0 ? found : count); ++i) add(added[i]);
   }

@@ -3,6 +3,8 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <array>
+#include <memory>
 #include <span>
 
 #include "solver/bodies/body_passes.hpp"
@@ -97,35 +99,45 @@ double wall_share_of_frequency(const RunState& s, std::size_t wall) {
 
 namespace {
 
-/// Impulses of one wall after the other, added together: pairs of a wall come one after the other.
-class ImpulsesOfWall {
+/// Impulses of walls, those of a wall added many at a time: pairs of several walls come in turn.
+class ImpulsesOfWalls {
  public:
-  explicit ImpulsesOfWall(WallTotals& totals) : totals_(totals) {}
-  ImpulsesOfWall(const ImpulsesOfWall&) = delete;
-  ImpulsesOfWall& operator=(const ImpulsesOfWall&) = delete;
-  ~ImpulsesOfWall() { add_up(); }
+  explicit ImpulsesOfWalls(WallTotals& totals) : totals_(totals) {
+    constexpr std::size_t kMostWalls = 32;  // 1.5 kB each; of more walls, each has few contacts
+    if (totals.impulse.size() > kMostWalls) return;
+    terms_ = std::make_unique_for_overwrite<std::array<ManyTerms, 3>[]>(totals.impulse.size());
+    counts_.resize(totals.impulse.size());
+  }
+  ImpulsesOfWalls(const ImpulsesOfWalls&) = delete;
+  ImpulsesOfWalls& operator=(const ImpulsesOfWalls&) = delete;
+  ~ImpulsesOfWalls() {
+    for (std::size_t w = 0; w < counts_.size(); ++w) add_up(w);
+  }
 
   void add(std::size_t wall, const Vec3& impulse) {
-    if (wall != wall_ || count_ == kManyTerms) add_up();
-    wall_ = wall;
-    for (int k = 0; k < 3; ++k) terms_[static_cast<std::size_t>(k)][count_] = impulse[k];
-    ++count_;
+    if (counts_.empty()) {
+      for (int k = 0; k < 3; ++k) totals_.impulse[wall][static_cast<std::size_t>(k)].add(impulse[k]);
+      return;
+    }
+    const std::size_t n = counts_[wall]++;
+    for (int k = 0; k < 3; ++k) terms_[wall][static_cast<std::size_t>(k)][n] = impulse[k];
+    if (n + 1 == kManyTerms) add_up(wall);
   }
 
  private:
-  void add_up() {
-    for (std::size_t k = 0; k < 3 && count_ > 0; ++k) totals_.impulse[wall_][k].add_many(terms_[k], count_);
-    count_ = 0;
+  void add_up(std::size_t wall) {
+    for (std::size_t k = 0; k < 3 && counts_[wall] > 0; ++k) totals_.impulse[wall][k].add_many(terms_[wall][k], counts_[wall]);
+    counts_[wall] = 0;
   }
 
   WallTotals& totals_;
-  std::size_t wall_ = 0, count_ = 0;
-  std::array<ManyTerms, 3> terms_;
+  std::unique_ptr<std::array<ManyTerms, 3>[]> terms_;
+  std::vector<std::size_t> counts_;
 };
 
 void add_effects_of(std::span<const std::int32_t> pairs, const RunState& s, double dt, WallTotals& totals) {
   PairResult of_block;
-  ImpulsesOfWall impulses(totals);
+  ImpulsesOfWalls impulses(totals);
   const auto add_impulse = [&](std::size_t w, const Vec3& on_wall) { impulses.add(w, dt * on_wall); };
   for (const std::int32_t k : pairs) {
     const BodyPair& pair = s.pairs.stored_pairs()[static_cast<std::size_t>(k)];
