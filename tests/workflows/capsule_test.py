@@ -221,7 +221,7 @@ def check_hostile_zips(capsule):
     outside = os.path.join(AWAY, "pwned")
     for name, said in (("../pwned", "leads out of the folder"), ("cases/../../pwned", "leads out of the folder"), (outside, "absolute path"), ("..\\pwned", "backslash"), ("C:pwned", "absolute path"),
                        ("cases/", "it is a folder"), ("a//b", "a part that is empty"), ("./a", "a part that is empty"), ("a\nb", "control character"), ("README.md/x", "also that of a file"),
-                       ("n" * 300, "at most 200 bytes"), ("zextra", "not as workflows/run writes it")):
+                       ("n" * 300, "too long"), ("zextra", "not as workflows/run writes it")):
         zipped(name)
         assert said in checked(target), (name, said, checked(target))
         if name.endswith("pwned"):
@@ -275,7 +275,7 @@ def check_hostile_words(capsule):
                          (lambda value: value["runs"][0].update(settings=["--solver=sh"]), "expected KEY=VALUE"), (lambda value: value["runs"][0].update(case="/etc/passwd"), "a file of the capsule"),
                          (lambda value: value["runs"][0].update(start="later"), "an earlier run"),
                          (lambda value: value["runs"][0].update(log="/dev/zero"), "runs[0].log"), (lambda value: value["runs"][0]["settings"].append("shapes.x.file=/tmp/x.shape.h5"), "a shape of the capsule"),
-                         (lambda value: value.update(shapes=[], runs=value["runs"][:1]), "a shape of the capsule"), (lambda value: value["runs"][0].update(name="x" * 254), "too long"), (lambda value: value.update(runs=[]), "at least one run"),
+                         (lambda value: value.update(shapes=[], runs=value["runs"][:1]), "a shape of the capsule"), (lambda value: value["runs"][0].update(name="x" * 254), "at most 200 bytes"), (lambda value: value.update(runs=[]), "at least one run"),
                          (lambda value: value.update(format_version=99), "format_version 99 found")):
         message = checked(with_json(capsule, change))
         assert said in message, (said, message)
