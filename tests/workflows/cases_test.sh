@@ -3,7 +3,7 @@
 # usage: cases_test.sh RUNNER BIN SCRATCH CASE    "--list" in place of RUNNER prints the cases
 set -euo pipefail
 cases=(hopper column repose drum conveyor triaxial critical-state compression shear-flow flow-function press mill screen sticky granuheap impact silo crater crush brazilian beam rockfall granite unbroken
-  shape-dial dice tube coater mixer shear-box cuboids heated-drum heated-bed fluidised drum-sweep)
+  shape-dial dice tube coater mixer shear-box wet-drum ballast cuboids heated-drum heated-bed fluidised drum-sweep)
 if [[ $1 == --list ]]; then printf '%s;' "${cases[@]}"; exit 0; fi
 runner=$1; export SCREE_BIN=$2; scratch=$3/$4
 rm -rf "$scratch"; mkdir -p "$scratch"
@@ -65,6 +65,20 @@ case $4 in
     charts cuboids/cuboids
     holds cuboids/cuboids.report.html "</html>"; there cuboids/cuboids.run/paraview/cuboids.pvd
     resumes cuboids/cuboids ;;
+  wet-drum)
+    run wet-drum
+    # a quarter of a turn: both beds are on their way up
+    holds wet-drum/wet-drum.md "^| none | 0.00 | 0 | 0 | [2-5]\\.[0-9]* | [1-9][0-9]\\.[0-9] +- "
+    holds wet-drum/wet-drum.md "^| tension-144-volume-0.02 | 4\\.[01][0-9]* | 0\\.02 | 0\\.[0-9]* | [2-7]\\.[0-9]* | [1-9][0-9]\\.[0-9] +- "
+    charts wet-drum/wet-drum
+    page wet-drum/tension-144-volume-0.02; resumes wet-drum/tension-144-volume-0.02 ;;
+  ballast)
+    run ballast
+    # the load's work, the height that is lost and the stored energy make up what log.csv has as dissipated
+    holds ballast/ballast.md "^| 1 | [0-9]*\\.[0-9]* | [0-9]*\\.[0-9]* | [0-9]*\\.[0-9]* |"
+    holds ballast/ballast.md "^| ballast-small-1 | .* | [-+][0-9.]*e-0[2-9] |"
+    charts ballast/ballast
+    page ballast/ballast-small-1; resumes ballast/ballast-small-1 ;;
   triaxial)
     run triaxial
     holds triaxial/triaxial.md "sheared by"  # pressed, and the page says how far it got

@@ -30,7 +30,7 @@ def commands_of(name, folder):
         words += ["--config", f"points={folder / 'points.json'}"]
     text = subprocess.run(words, env=ENVIRONMENT, text=True, capture_output=True, check=True).stdout
     lines = [part.strip() for line in text.splitlines() for part in line.split(" && ")]
-    steps = [line for line in lines if re.match(r"(scree-mesher|cp|scree-decomposer pack) ", line) or re.match(r"/usr/bin/python3 \S*(slope|deck)\.py", line)]
+    steps = [line for line in lines if re.match(r"(scree-mesher|cp|scree-decomposer pack) ", line) or re.match(r"/usr/bin/python3 \S*(slope|deck|frames)\.py", line)]
     return sorted(dict.fromkeys(steps), key=lambda line: line.startswith("scree-decomposer"))
 
 
