@@ -194,6 +194,8 @@ TEST(MotionPacking, what_cannot_be_poured_is_refused) {
   // no floor: the solver says who left, in its own words
   std::string open = kHead + kPoured.substr(0, kPoured.find("[[walls]]")) + "[domain]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\n";
   EXPECT_NE(failure(open).find("left the domain"), std::string::npos);
+  EXPECT_NE(failure(kHead + kPoured.substr(0, kPoured.find("[[walls]]")), ExitCode::usage).find("needs a wall or a fixed body below"),
+            std::string::npos);
 }
 
 }  // namespace
