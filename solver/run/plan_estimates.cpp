@@ -102,9 +102,10 @@ class Estimates {
 
   std::string text(const Pace& pace, double memory) {
     if (pace.steps > 0) add_time(pace);
-    line("memory in all",
-         fmt::format("{} now{}{}", bytes_text(memory), comm_.size() > 1 ? ", of all ranks together" : "",
-                     bed_ ? fmt::format(", about {} in a bed", bytes_text(memory + bed_->memory * bodies_at(settings_.duration))) : ""));
+    constexpr double kWhileFiles = 6e6;  // that HDF5 and MPI hold on each rank while they write: 5 to 8 MB in the ready cases
+    const double most = memory + kWhileFiles * comm_.size() + (bed_ ? bed_->memory * bodies_at(settings_.duration) : 0);
+    line("memory in all", fmt::format("{} now{}, about {} while files are written{}", bytes_text(memory),
+                                      comm_.size() > 1 ? ", of all ranks together" : "", bytes_text(most), bed_ ? " in a bed" : ""));
     add_disk(pace);
     add_help();
     return text_;
