@@ -21,10 +21,10 @@ namespace {
 constexpr double kMotion = 1.0;
 constexpr double kEvenMotion = 0.7, kStraightMotion = 0.6;  // equal moments need no rotor: 66 ns, and 33 ns as long as nothing turns them
 constexpr double kFixedMotion = 0.2;                         // never integrated
-constexpr double kListedPair = 0.12;                        // a pair in the list that cannot touch yet is compared and added up: 5.3 ns
+constexpr double kListedPair = 0.14;                        // a pair in the list that cannot touch yet is compared and added up: 5.3 ns
 // From dense packings of rocks of 20, 320 and 1280 triangles (docs/results/performance.md): a pair that touches takes 1.8, 3.3 and 8
 // motions, where this gives 1.6, 3.8 and 6.9. The contact of a rock of 320 triangles with a flat wall takes 1.9, where this gives 2.3.
-constexpr double kPair = 1.0, kPerSeenFeature = 0.08;
+constexpr double kPair = 1.4, kPerSeenFeature = 0.08;
 // A pair that does not touch rests until its bodies have gone what they lack, is looked at then (75 ns), and rests again.
 constexpr double kLook = 1.1, kRarelyLooked = 0.01;  // below that share of the steps it does not count
 constexpr double kFirstSteps = 240;                  // that are predicted
