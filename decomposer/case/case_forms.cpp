@@ -134,7 +134,7 @@ void hopper_section(CaseKeys& k, std::optional<WallForm>& form) {
   form = hopper_form(h, segments);
 }
 
-void lifters_section(CaseKeys& k, double radius, Lifters& lifters) {
+void lifters_section(CaseKeys& k, double radius, int segments, Lifters& lifters) {
   std::int64_t count = 0;
   k.integer({"count", kRequired}, count, 1);
   k.number({"height", kRequired}, lifters.height, Dimension::length, Range::positive);
@@ -145,20 +145,18 @@ void lifters_section(CaseKeys& k, double radius, Lifters& lifters) {
   if (t == nullptr) return;
   lifters.count = static_cast<int>(std::min<std::int64_t>(count, 1 << 20));
   if (!(lifters.height < radius)) throw t->error("height", fmt::format("must be less than the radius of the drum ({:g} m)", radius));
-  // a bar ends in a flat top between two corners
-  const double corner = std::hypot(radius - lifters.height, 0.5 * lifters.top_width);
-  if (!(corner < radius)) {
-    const double half = 0.5 * lifters.top_width;
-    throw t->error(
-        "height", half < radius ? fmt::format("the corners of bars that are {:g} m wide at their top stand outside the drum; give a height "
-                                              "above {:g} m, or narrower bars",
-                                              lifters.top_width, radius - std::sqrt(radius * radius - half * half))
-                                : "the bars are wider than the drum");
-  }
   const double half_pitch = std::numbers::pi / lifters.count;
   const auto fits = [&](double width, double at) { return 0.5 * width < at * std::sin(std::min(half_pitch, 0.5 * std::numbers::pi)); };
   if (!fits(lifters.width, radius) || !fits(lifters.top_width, radius - lifters.height)) {
     throw t->error("count", "these lifters leave no room between each other; fewer, lower or narrower ones do");
+  }
+  if (!lifters_are_inside(radius, lifters, segments)) {
+    throw t->error(
+        "height",
+        fmt::format(
+            "the corners of bars that are {:g} m wide at their top stand outside the drum, whose wall is behind them; give higher or "
+            "narrower bars, or a smaller top_width",
+            lifters.top_width));
   }
 }
 
@@ -173,7 +171,7 @@ void tube_section(CaseKeys& k, bool may_have_lifters, std::optional<WallForm>& f
   const int segments = segments_key(k);
   if (may_have_lifters) {
     k.section({"lifters", "none", "bars along the wall, trapezoids towards the axis; the first stands on x for a drum along z"},
-              [&](CaseKeys& below) { lifters_section(below, radius, lifters); });
+              [&](CaseKeys& below) { lifters_section(below, radius, segments, lifters); });
   }
   if (k.table() == nullptr) return;
   form = lifters.count > 0 ? drum_form(start, end, radius, lifters, open[0], open[1], segments)

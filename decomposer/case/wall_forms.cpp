@@ -119,11 +119,20 @@ TriangleMesh box_surface(const Vec3& lower, const Vec3& upper, const std::array<
   return result;
 }
 
+/// Where bars and arcs of a drum stand.
+struct DrumParts {
+  double half, pitch;  ///< half of the angle of a bar, from one bar to the next
+  int arc_segments;    ///< between two bars
+};
+DrumParts parts_of_drum(double radius, const Lifters& lifters, int segments) {
+  const double half = std::asin(0.5 * lifters.width / radius), pitch = 2 * std::numbers::pi / lifters.count;
+  return {half, pitch, std::max(1, static_cast<int>(std::lround(segments * (pitch - 2 * half) / (2 * std::numbers::pi))))};
+}
+
 /// Outline of a drum with lifters, counter-clockwise.
 std::vector<Point2> drum_outline(double radius, const Lifters& lifters, int segments) {
-  const double half = std::asin(0.5 * lifters.width / radius), inner = radius - lifters.height;
-  const double pitch = 2 * std::numbers::pi / lifters.count;
-  const int arc_segments = std::max(1, static_cast<int>(std::lround(segments * (pitch - 2 * half) / (2 * std::numbers::pi))));
+  const auto [half, pitch, arc_segments] = parts_of_drum(radius, lifters, segments);
+  const double inner = radius - lifters.height;
   std::vector<Point2> outline;
   const auto add = [&](double angle, double along, double side) {
     outline.push_back({along * std::cos(angle) - side * std::sin(angle), along * std::sin(angle) + side * std::cos(angle)});
@@ -224,6 +233,18 @@ WallForm cone_form(const Vec3& start, const Vec3& end, double radius_start, doub
                    int segments) {
   return {cone_surface(start, end, radius_start, radius_end, !open_start, !open_end, segments),
           turned_inside_out(cone_surface(start, end, radius_start, radius_end, true, true, segments))};
+}
+
+bool lifters_are_inside(double radius, const Lifters& lifters, int segments) {
+  const DrumParts parts = parts_of_drum(radius, lifters, segments);
+  const double inner = radius - lifters.height, corner = std::hypot(inner, 0.5 * lifters.top_width),
+               angle = std::atan2(0.5 * lifters.top_width, inner);
+  if (!(corner < radius)) return false;
+  // a corner beyond the foot of its bar lies in front of the chords of the arc
+  const double step = (parts.pitch - 2 * parts.half) / parts.arc_segments;
+  if (angle <= parts.half) return true;
+  const double chord = std::floor((angle - parts.half) / step), middle = parts.half + (chord + 0.5) * step;
+  return corner * std::cos(angle - middle) < radius * std::cos(0.5 * step);
 }
 
 WallForm drum_form(const Vec3& start, const Vec3& end, double radius, const Lifters& lifters, bool open_start, bool open_end,

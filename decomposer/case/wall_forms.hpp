@@ -51,6 +51,9 @@ struct Lifters {
 /// A drum with lifters.   Needs height < radius, and room between two lifters at the wall and at their inner ends.
 WallForm drum_form(const Vec3& start, const Vec3& end, double radius, const Lifters& lifters, bool open_start, bool open_end, int segments);
 
+/// Whether the tops of all bars stand inside the wall of a drum, its facets included.   in   radius, lifters, segments   as of drum_form()
+bool lifters_are_inside(double radius, const Lifters& lifters, int segments);
+
 /// A bin over a funnel over an outlet, all on the z axis: the outlet lies at z = 0, a stub below it.
 struct Hopper {
   bool round = true;

@@ -58,8 +58,15 @@ std::vector<Vec3> volume_samples(const Shape& shape, std::size_t count) {
     box = {{-r, -r, -r}, {r, r, r}};
   }
   const double number = static_cast<double>(count), room = box.extent().x * box.extent().y * box.extent().z;
-  const double share = std::max(shape.mass.volume / number, room / (kMostTried * number));
-  std::vector<Vec3> points = scattered_in(box, std::cbrt(share));
+  double size = std::cbrt(std::max(shape.mass.volume / number, room / (kMostTried * number)));
+  // a flat box is one cube thick however thin it is
+  const auto cubes = [&] {
+    double product = 1;
+    for (int k = 0; k < 3; ++k) product *= std::ceil(box.extent()[k] / size);
+    return product;
+  };
+  while (cubes() > 2 * kMostTried * number) size *= 1.25;
+  std::vector<Vec3> points = scattered_in(box, size);
   if (ball)
     std::erase_if(points, [&](const Vec3& p) { return !(dot(p, p) < shape.sphere_radius * shape.sphere_radius); });
   else

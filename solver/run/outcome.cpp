@@ -12,6 +12,7 @@
 #include "solver/effects/wear/wear.hpp"
 #include "solver/run/guard.hpp"
 #include "solver/run/idle_servos.hpp"
+#include "solver/run/inflow.hpp"
 #include "solver/scene/origin.hpp"
 
 namespace scree {
@@ -50,17 +51,16 @@ nlohmann::json memory_json(const std::vector<RankMeasures>& ranks) {
 
 /// What an inlet was to bring in by its rate, count and limit. A limit in the other unit than the rate is converted by the mean mass of
 /// what has come in.
-double owed_at(const Inlet& inlet, const InletState& state, double time) {
-  const double owed = inlet.owed(time), count = static_cast<double>(state.count);
-  if (state.count == 0) return owed;
-  const double mean = state.mass / count;
+double owed_at(const Scene& scene, const Inlet& inlet, const InletState& state, double time) {
+  const double owed = inlet.owed(time), count = static_cast<double>(state.count),
+               mean = state.count > 0 ? state.mass / count : mean_mass(scene, inlet);
   if (inlet.rate.by_number) return std::min(owed, count + std::max(0.0, inlet.limit - state.mass) / mean);
   return inlet.count < 0 ? owed
                          : std::min(owed, state.mass + static_cast<double>(std::max<std::int64_t>(0, inlet.count - state.count)) * mean);
 }
 
-nlohmann::json inlet_json(const Inlet& inlet, const InletState& state, double time) {
-  const double owed = owed_at(inlet, state, time), had = inlet.rate.by_number ? static_cast<double>(state.count) : state.mass;
+nlohmann::json inlet_json(const Scene& scene, const Inlet& inlet, const InletState& state, double time) {
+  const double owed = owed_at(scene, inlet, state, time), had = inlet.rate.by_number ? static_cast<double>(state.count) : state.mass;
   nlohmann::json j;
   j["name"] = inlet.name;
   j["bodies"] = state.count;
@@ -84,6 +84,13 @@ nlohmann::json worn_walls(const Scene& scene, const std::vector<WornWall>& worn,
     const std::string file = fmt::format("wall{}_worn.shape.h5", wall.id);
     write_shape_file(folder + "/" + file, {make_surface(wall.name, w.mesh)}, provenance);
     walls.push_back({{"wall", wall.id}, {"name", wall.name}, {"volume", w.volume}, {"depth", w.depth}, {"file", file}});
+    if (w.fault.empty()) continue;
+    walls.back()["fault"] = w.fault;
+    warn_once(
+        "scree-solver",
+        fmt::format("the file of wall '{}' is without what slid on it since it was last worn, which run.json counts: {}; give its wear a "
+                    "shorter `every`",
+                    wall.name, w.fault));
   }
   return walls;
 }
@@ -179,7 +186,7 @@ void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const 
     }
     if (options.has_program && outer != nullptr) run["program"] = {{"force_functions", outer->function_names()}, {"held_bodies", held}};
     for (std::size_t k = 0; k < loaded.scene.inlets.size(); ++k)
-      run["inlets"].push_back(inlet_json(loaded.scene.inlets[k], simulation.state().totals.inlets[k], simulation.time()));
+      run["inlets"].push_back(inlet_json(loaded.scene, loaded.scene.inlets[k], simulation.state().totals.inlets[k], simulation.time()));
     if (continues) run["deep_contacts"] = deep_json(simulation.state(), deep, loaded.origin);
     if (nlohmann::json drives = drives_json(simulation.state()); !drives.empty()) run["drives"] = std::move(drives);
     if (!worn.empty()) run["wear"] = worn_walls(simulation.state().scene.source(), worn, options.run_folder, provenance);

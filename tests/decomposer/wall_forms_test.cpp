@@ -280,7 +280,10 @@ TEST(WallForms, forms_that_cannot_be_are_refused) {
   const std::string drum = "drum = { start = [0, 0, 0], end = [0, 0, 1], radius = 1, lifters = { ";
   expect_refusal(drum + "count = 4, height = 1, width = 0.1 } }", "less than the radius");
   expect_refusal(drum + "count = 40, height = 0.5, width = 0.1 } }", "leave no room");
-  expect_refusal(drum + "count = 3, height = 0.02, width = 0.5 } }", "stand outside the drum; give a height above 0.0317542 m");
+  expect_refusal(drum + "count = 3, height = 0.02, width = 0.5 } }", "stand outside the drum");
+  // inside the circle, and outside of the facets
+  expect_refusal(drum + "count = 6, height = 0.01, width = 0.02, top_width = 0.27 } }", "stand outside the drum");
+  expect_refusal(drum + "count = 1, height = 0.02, width = 0.01, top_width = 0.2 }, segments = 8 }", "stand outside the drum");
   const std::string shaft = "start = [0, 0, 0], end = [1, 0, 0], radius = 0.2, shaft = ";
   expect_refusal("screw = { " + shaft + "0.2, pitch = 1, thickness = 0.1 }", "less than the radius of the flights");
   expect_refusal("screw = { " + shaft + "0.1, pitch = 0, thickness = 0.1 }", "must not be 0");

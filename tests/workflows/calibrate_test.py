@@ -286,8 +286,11 @@ refused({**good, "keys": "pairs.0.friction=0.5..0.5"}, "not below")
 refused({**good, "keys": "pairs.0.friction=0..0.5 log"}, "lower bound above 0")
 refused({**good, "keys": "populations.0.size=1 mm..5 kg"}, "units of different kinds")
 refused({**good, "keys": "pairs.0.friction=0..1;pairs.0.friction=0..1"}, "is there twice")
-refused({**good, "keys": "pairs.0.friction=0..0.5;pairs.*.friction=0.6..1"}, "pairs.0.friction and pairs.*.friction change the same key")
-refused({**good, "set": "pairs.*.friction=0.9", "keys": "pairs.0.friction=0..1"}, "set: pairs.*.friction and the key pairs.0.friction change the same key")
+refused({**good, "keys": "pairs.0.friction=0..0.5;pairs.*.friction=0.6..1"}, "keys: pairs.*.friction replaces pairs.0.friction")
+refused({**good, "keys": "pairs.0.friction=0..0.5;pairs.00.friction=0.6..1"}, "keys: pairs.00.friction replaces pairs.0.friction")
+refused({**good, "set": "pairs.0.friction=0.9", "keys": "pairs.*.friction=0..1"}, "set: the key pairs.*.friction replaces pairs.0.friction")
+assert len(read({**good, "keys": "pairs.*.friction=0..0.5;pairs.0.friction=0.6..1"}).keys) == 2   # the second counts for the first pair
+assert read({**good, "set": "pairs.*.friction=0.9", "keys": "pairs.0.friction=0..1"}).fixed
 refused({**good, "set": "seed=7"}, "set: 'seed' is what replicas differ in")
 refused({**good, "target": "heap:a=1e400+-1"}, "a number is too large")
 refused({**good, "keys": "pairs.0.friction=0..1e400"}, "a bound is too large")

@@ -275,6 +275,10 @@ def check_hostile_words(capsule):
                          (lambda value: value["runs"][0].update(settings=["--solver=sh"]), "expected KEY=VALUE"), (lambda value: value["runs"][0].update(case="/etc/passwd"), "a file of the capsule"),
                          (lambda value: value["runs"][0].update(start="later"), "an earlier run"),
                          (lambda value: value["runs"][0].update(log="/dev/zero"), "runs[0].log"), (lambda value: value["runs"][0]["settings"].append("shapes.x.file=/tmp/x.shape.h5"), "a shape of the capsule"),
+                         (lambda value: value["runs"][0]["settings"].append('walls.0.shape={file="/etc/passwd"}'), "a shape of the capsule"),
+                         (lambda value: value["runs"][0]["settings"].append('walls.*.shape.file = "/etc/passwd"'), "a shape of the capsule"),
+                         (lambda value: value["runs"][0]["settings"].append('start={run="/tmp/secret.run"}'), "start.run of cases/case.toml"),
+                         (lambda value: value["runs"][0]["settings"].append("walls.7.shape.file=x"), "no place for the setting"),
                          (lambda value: value.update(shapes=[], runs=value["runs"][:1]), "a shape of the capsule"), (lambda value: value["runs"][0].update(name="x" * 254), "at most 200 bytes"), (lambda value: value.update(runs=[]), "at least one run"),
                          (lambda value: value.update(format_version=99), "format_version 99 found")):
         message = checked(with_json(capsule, change))

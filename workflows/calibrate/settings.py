@@ -168,11 +168,11 @@ def path_of(text, scenes, what):
     return (prefix.strip() if colon else None), path
 
 
-def same_key(one, other):
-    """Whether two (scene or None, path) change a key of the same case; '*' stands for any part."""
+def covers(one, other):
+    """Whether the first of two (scene or None, path) changes all that the second does; '*' stands for any part."""
     (scene, path), (of, others) = one, other
-    parts, their = path.split("."), others.split(".")
-    return (scene is None or of is None or scene == of) and len(parts) == len(their) and all(a == b or "*" in (a, b) for a, b in zip(parts, their))
+    parts, their = ([part.lstrip("0") or "0" if part.isdigit() else part for part in text.split(".")] for text in (path, others))
+    return (scene is None or of is None or scene == of) and len(parts) == len(their) and all(a in ("*", b) for a, b in zip(parts, their))
 
 
 def key_of(part, scenes):
@@ -267,8 +267,8 @@ def read(config, folder="."):
     paths = [path for key in keys for path in key.paths]
     for number, path in enumerate(paths):
         for other in paths[:number]:
-            if same_key(path, other):
-                raise ValueError(f"keys: {path[1]} is there twice" if path == other else f"keys: {other[1]} and {path[1]} change the same key")
+            if covers(path, other):   # the later one counts
+                raise ValueError(f"keys: {path[1]} is there twice" if path == other else f"keys: {path[1]} replaces {other[1]}; give it first, or leave one out")
     fixed = []
     for part in parts_of(asked.get("set", "")):
         path, equals, value = part.partition("=")
@@ -278,8 +278,8 @@ def read(config, folder="."):
         if path == "seed":
             raise ValueError("set: 'seed' is what replicas differ in; give seed=NUMBER to begin with another one")
         for key in paths:
-            if same_key((scene, path), key):
-                raise ValueError(f"set: {path} and the key {key[1]} change the same key; leave one out")
+            if covers(key, (scene, path)):
+                raise ValueError(f"set: the key {key[1]} replaces {path}; leave one out")
         fixed.append((scene, f"{path}={value.strip()}"))
     numbers = {name: number_of(config, name, kind, low) for name, kind, low in (
         ("budget", int, 1), ("start", int, 4), ("replicas", int, 1), ("batch", int, 1), ("stop", float, 0), ("seed", int, 0), ("survey", int, FEWEST))}

@@ -112,16 +112,41 @@ def check_words(read, words, place, files, shapes):
             raise read.wrong(f"{place}[{number}]", word, "a word without a path that is no output")
 
 
-def check_case(archive, read, run, place, shapes):
-    """The files that a case names, as settings have changed them: shapes of the capsule, and the run that it begins with."""
-    try:
-        case = tomllib.loads(archive.read(run["case"]).decode())
-    except (ValueError, RecursionError) as error:
-        raise read.wrong(f"{place}.case", run["case"], f"a file of the case language ({error})") from None
-    named = dict(texts(case))
+def put(node, parts, value):
+    """As --set of scree-decomposer: a key by its parts, a place of a list, '*' for all. A KeyError or IndexError where there is no such place."""
+    part, rest = parts[0], parts[1:]
+    if not isinstance(node, (dict, list)):
+        raise KeyError(part)
+    places = (list(node) if isinstance(node, dict) else range(len(node))) if part == "*" else [part if isinstance(node, dict) else int(part)]
+    for place in places:
+        if not rest:
+            node[place] = value
+        else:
+            put(node.setdefault(place, {}) if isinstance(node, dict) else node[place], rest, value)
+
+
+def as_computed(archive, run):
+    """The case of a run with its settings."""
+    case = tomllib.loads(archive.read(run["case"]).decode("utf-8-sig"))
     for setting in run["settings"]:
-        key, _, value = setting.partition("=")
-        named[tuple(part.strip() for part in key.split("."))] = value.strip()
+        key, _, text = setting.partition("=")
+        try:
+            value = tomllib.loads(f"value = {text}")["value"]
+        except ValueError:
+            value = text.strip()   # a text without quotes
+        try:
+            put(case, [part.strip() for part in key.split(".")], value)
+        except (KeyError, IndexError):
+            raise ValueError(f"it has no place for the setting {setting[:200]!r}") from None
+    return case
+
+
+def check_case(archive, read, run, place, shapes):
+    """The files that a case names, as its settings have changed them: shapes of the capsule, and the run that it begins with."""
+    try:
+        named = dict(texts(as_computed(archive, run)))
+    except (ValueError, RecursionError) as error:
+        raise read.wrong(f"{place}.case", run["case"], f"a file of the case language that its settings fit ({error})") from None
     start = f"{run.get('start')}.run"
     for key, text in named.items():
         if key == ("start", "run") and text != start:

@@ -206,12 +206,12 @@ std::vector<WornWall> Wear::at_end(const RunState& s) const {
   for (std::size_t w = 0; w < s.scene.source().walls.size(); ++w) {
     if (s.scene.first_worn(w) < 0) continue;
     const Wall& of = s.scene.source().walls[w];
-    WornWall worn{w, mesh_of(s, w)};
+    WornWall worn{w, mesh_of(s, w), 0, 0, ""};
     std::vector<double> work = state_.work;
     try {
       worn.mesh.vertices = worn_vertices(worn.mesh, wear_due(s, w, loads, work));
-    } catch (const InputError&) {
-      work = state_.work;
+    } catch (const InputError& error) {
+      worn.fault = error.what();
     }
     for (std::int32_t t = 0; t < worn.mesh.triangle_count(); ++t)
       worn.volume += of.wear * work[static_cast<std::size_t>(s.scene.first_mapped(w) + t)];

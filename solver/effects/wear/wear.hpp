@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "core/geometry/triangle_mesh.hpp"
@@ -34,8 +35,9 @@ struct WearState {
 struct WornWall {
   std::size_t wall;
   TriangleMesh mesh;  ///< as the state's where that cannot be worn further
-  double volume = 0;  ///< that it has lost [m^3]
+  double volume = 0;  ///< that it has lost [m^3], also where the mesh does not show it
   double depth = 0;   ///< how far its farthest vertex has receded [m]
+  std::string fault;  ///< why the mesh is without what slid since it was last worn; empty where it is with it
 };
 
 /// The effect, for those that read what walls have lost.
