@@ -20,7 +20,7 @@ namespace {
 // in processor time of the phases of 1000 to 1600 bodies.
 constexpr double kMotion = 1.0;
 constexpr double kEvenMotion = 0.7, kStraightMotion = 0.6;  // equal moments need no rotor: 66 ns, and 33 ns as long as nothing turns them
-constexpr double kFixedMotion = 0.2;                         // never integrated
+constexpr double kFixedMotion = 0.2;                        // never integrated
 constexpr double kListedPair = 0.14;                        // a pair in the list that cannot touch yet is compared and added up: 5.3 ns
 // From dense packings of rocks of 20, 320 and 1280 triangles (docs/results/performance.md): a pair that touches takes 1.8, 3.3 and 8
 // motions, where this gives 1.6, 3.8 and 6.9. The contact of a rock of 320 triangles with a flat wall takes 1.9, where this gives 2.3.
