@@ -21,9 +21,9 @@ namespace {
 // scenes of tests/decomposer/imbalance_test.py is that of the prediction: a lattice of cubes gives those of cubes and of listed pairs, a
 // dense bed that of pairs that touch.
 constexpr double kMotion = 1.0;
-constexpr double kEvenMotion = 0.7, kStraightMotion = 0.6;  // equal moments need no rotor, and less as long as nothing turns them
+constexpr double kEvenMotion = 0.5, kStraightMotion = 0.4;  // equal moments need no rotor, and less as long as nothing turns them
 constexpr double kFixedMotion = 0.2;                        // never integrated
-constexpr double kListedPair = 0.14;                        // a pair in the list that cannot touch yet is compared and added up
+constexpr double kListedPair = 0.16;                        // a pair in the list that cannot touch yet is compared and added up
 constexpr double kPair = 1.8, kPerSeenFeature = 0.1;        // a pair that touches, and the features that it looks at
 // A pair that does not touch rests until its bodies have gone what they lack, is looked at then, and rests again.
 constexpr double kLook = 1.1, kRarelyLooked = 0.01;  // below that share of the steps it does not count
