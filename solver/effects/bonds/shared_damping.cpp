@@ -77,10 +77,15 @@ void share_damping(RunState& s) {
          ++end)
       together.add(all[end]);
     if (end - begin < 2) continue;
+    // the mean over the pieces: bonds give way, so that each knows the moments of its fragment a little otherwise, and which is first
+    // depends on the order of bodies
+    double product = 0;
+    for (std::size_t n = begin; n < end; ++n) product += together.product(all[n]);
+    product /= static_cast<double>(end - begin);
     for (std::size_t n = begin; n < end; ++n) {
       Together alone;
       alone.add(all[n]);
-      shares[all[n].key] = together.product(all[begin]) / alone.product(all[n]);
+      shares[all[n].key] = product / alone.product(all[n]);
     }
   }
   for (BodyPair& pair : s.pairs.pairs()) {
