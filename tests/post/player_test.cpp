@@ -57,7 +57,7 @@ struct Reader {
   std::string bytes = bytes_of_base64(data["block"].get<std::string>());
   std::vector<double> id = values_of<double>(data["table"]["id"]);
   std::vector<float> scale = values_of<float>(data["table"]["scale"]);
-  std::vector<std::uint16_t> shape = values_of<std::uint16_t>(data["table"]["shape"]);
+  std::vector<std::uint32_t> shape = values_of<std::uint32_t>(data["table"]["shape"]);
   std::size_t at = 0;
 
   std::uint32_t number(int count) {

@@ -208,7 +208,7 @@ class Scene:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         """path: NAME.scene.h5. Raises InputError when it is missing, damaged or newer."""
         self.path: str = os.fspath(path)  #: file it was read from
-        with opened(self.path, "scree-scene", 3) as file:
+        with opened(self.path, "scree-scene", 4) as file:
             facts = json_of(file["settings"])
             expect_settings(facts)
             self.provenance: dict[str, Any] = json_of(file["provenance"])  #: who made it, from what: tool, command, case, inputs, git, time
