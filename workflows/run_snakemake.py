@@ -70,6 +70,8 @@ class LastErrors:
         elif self.reading is not None and text and (text[0] == " " or not self.reading) and not text.startswith("  File "):
             if len(self.reading) < MOST_LINES:
                 self.reading.append(text if self.reading is self.tool else text.strip())
+        elif not text and self.reading is self.tool and self.tool:
+            pass   # an empty line of another step may come within the message
         else:
             self.reading = None
             if TOOL_ERROR.fullmatch(text):
