@@ -30,7 +30,7 @@ def commands_of(name, folder):
         words += ["--config", f"points={folder / 'points.json'}"]
     text = subprocess.run(words, env=ENVIRONMENT, text=True, capture_output=True, check=True).stdout
     lines = [part.strip() for line in text.splitlines() for part in line.split(" && ")]
-    steps = [line for line in lines if re.match(r"(scree-mesher|cp|scree-decomposer pack) ", line) or re.match(r"/usr/bin/python3 \S*(slope|deck|frames)\.py", line)]
+    steps = [line for line in lines if re.match(r"(scree-mesher|cp|scree-decomposer pack) ", line) or re.match(r"/usr/bin/python3 \S*(slope|deck|frames|throws)\.py", line)]
     return sorted(dict.fromkeys(steps), key=lambda line: line.startswith("scree-decomposer"))
 
 
@@ -48,11 +48,17 @@ for name in sorted(path.parent.name for path in RUNNER.parent.glob("*/Snakefile"
         words = shlex.split(command)
         if words[0] == "cp":
             source[words[2]] = "/".join(pathlib.Path(words[1]).parts[-2:])
+        if words[1].endswith("throws.py"):   # CASE PUBLISHED EACH SEED NEW_CASE [FIT]
+            if len(words) > 7:
+                continue   # with values that runs have fitted
+            source[words[6]] = "/".join(pathlib.Path(words[2]).parts[-2:])
         if words[:2] == ["scree-mesher", "fracture"]:
             count = words.index("--cells") + 1
             words[count] = str(min(int(words[count]), PIECES))
         if words[:2] == ["scree-decomposer", "pack"]:
-            case = source[words[2]]
+            case = source.get(words[2])
+            if case is None and (name, words[2]) == ("cuboids", "cuboids.toml"):
+                continue
             if case in FROM_RUNS or changed_keys(words) in packed.setdefault(case, []):
                 continue
             packed[case].append(changed_keys(words))
