@@ -1,6 +1,7 @@
 // case.toml as a person wrote it, checked and in SI: its sections.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -160,5 +161,10 @@ struct Case {
   std::vector<CaseOutlet> outlets;
   std::vector<CaseBond> bonds;
 };
+
+/// Whether something may end the fall of a body: a wall, a fixed body, or what comes from a run.
+inline bool has_support(const Case& c) {
+  return c.start || !c.walls.empty() || std::any_of(c.bodies.begin(), c.bodies.end(), [](const CaseBody& b) { return b.fixed; });
+}
 
 }  // namespace scree

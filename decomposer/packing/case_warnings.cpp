@@ -136,9 +136,7 @@ void warn_of_surroundings(const Case& c, std::vector<std::string>& warnings) {
                      std::any_of(c.walls.begin(), c.walls.end(), [](const CaseWall& w) { return w.wall.motion.drive().has_value(); });
   if (!moves)
     warnings.push_back("nothing moves: the case has no population, no inlet, no body that is not fixed and no wall that answers to force");
-  const bool is_held =
-      c.start || !c.walls.empty() || std::any_of(c.bodies.begin(), c.bodies.end(), [](const CaseBody& b) { return b.fixed; });
-  if (moves && g > 0 && !is_held && !s.fluid) {
+  if (moves && g > 0 && !has_support(c) && !s.fluid) {
     warnings.push_back(
         fmt::format("nothing holds the bodies: no wall, no fixed body, and gravity of {:g} m/s^2: they all fall freely, {} until the end",
                     g, metres(0.5 * g * s.duration * s.duration)));

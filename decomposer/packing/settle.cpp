@@ -57,9 +57,8 @@ class Settler {
       const CasePopulation& p = case_.populations[parts.draws[i].population];
       if (p.method != PackingMethod::settle) continue;
       if (!(g > 0)) throw UsageError("{}: method = \"settle\" needs gravity; nothing would fall", p.where);
-      const bool is_held = case_.settings.domain.bounded || !case_.walls.empty() || case_.start ||
-                           std::any_of(case_.bodies.begin(), case_.bodies.end(), [](const CaseBody& b) { return b.fixed; });
-      if (!is_held) throw UsageError("{}: method = \"settle\" needs a wall or a fixed body below; nothing would end the fall", p.where);
+      if (!has_support(case_) && !case_.settings.domain.bounded)
+        throw UsageError("{}: method = \"settle\" needs a wall or a fixed body below; nothing would end the fall", p.where);
       waiting_.push_back(i);
       const Vec3 e = parts.regions[parts.draws[i].population].box.extent(), d = (1 / g) * case_.settings.gravity;
       height = std::max(height, std::abs(d.x) * e.x + std::abs(d.y) * e.y + std::abs(d.z) * e.z);

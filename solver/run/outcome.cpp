@@ -49,14 +49,12 @@ nlohmann::json memory_json(const std::vector<RankMeasures>& ranks) {
   return {{"bytes_per_body", bodies > 0 ? body_bytes / bodies : 0.0}, {"bytes_per_ghost", ghosts > 0 ? ghost_bytes / ghosts : 0.0}};
 }
 
-/// What an inlet was to bring in by its rate, count and limit. A limit in the other unit than the rate is converted by the mean mass of
-/// what has come in.
+/// What an inlet was to bring in by its rate, count and limit, in the unit of its rate. A limit in the other unit is converted by the mean
+/// mass of what has come in, or of what is to come.
 double owed_at(const Scene& scene, const Inlet& inlet, const InletState& state, double time) {
-  const double owed = inlet.owed(time), count = static_cast<double>(state.count),
-               mean = state.count > 0 ? state.mass / count : mean_mass(scene, inlet);
-  if (inlet.rate.by_number) return std::min(owed, count + std::max(0.0, inlet.limit - state.mass) / mean);
-  return inlet.count < 0 ? owed
-                         : std::min(owed, state.mass + static_cast<double>(std::max<std::int64_t>(0, inlet.count - state.count)) * mean);
+  const double mean = state.count > 0 ? state.mass / static_cast<double>(state.count) : mean_mass(scene, inlet);
+  const double number = inflow_by(inlet, mean, time);
+  return inlet.rate.by_number ? number : number * mean;
 }
 
 nlohmann::json inlet_json(const Scene& scene, const Inlet& inlet, const InletState& state, double time) {

@@ -272,7 +272,6 @@ def a_checkpoint_of_version_6_is_read_with_all_that_pairs_remember():
             assert before > 0 and len(now[f"{table}/a"]) == before, (table, before, len(now[f"{table}/a"]))
 
 
-
 def a_run_keeps_checkpoints_by_the_clock_and_they_change_nothing():
     for name, by_clock in (("clock.scene.h5", True), ("never.scene.h5", False)):
         make_pile(8, 0.2, name)
