@@ -175,9 +175,13 @@ void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std
   outer_.clear();
   duplicated_.clear();
   with_walls_.clear();
+  zones_of_walls_.clear();
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const BodyPair& pair = pairs_[k];
-    if (pair.key.zone >= 0) with_walls_.push_back(static_cast<std::int32_t>(k));
+    if (pair.key.zone >= 0) {
+      with_walls_.push_back(static_cast<std::int32_t>(k));
+      zones_of_walls_.push_back(pair.key.zone);
+    }
     list_of(pair, p).push_back(static_cast<std::int32_t>(k));
   }
   const PhaseTimer timer(times, Phase::sort);

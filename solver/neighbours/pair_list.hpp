@@ -96,6 +96,8 @@ class PairList {
   const std::vector<std::int32_t>& duplicated() const { return duplicated_; }
   /// Indices of pairs with a wall.
   const std::vector<std::int32_t>& with_walls() const { return with_walls_; }
+  /// The wall zone of each of them: what every step reads of all of them stands in one row.
+  const std::vector<std::int32_t>& zones_of_walls() const { return zones_of_walls_; }
 
   /// Takes pairs out of these lists, so that they are not computed; rebuild() lists them again.
   void hold_apart(const std::function<bool(const PairKey&)>& which);
@@ -126,7 +128,7 @@ class PairList {
   mutable std::array<std::vector<std::int32_t>, kPairClasses> begun_;  // of each class, pairs that blocks take with the next step
   TravelBounds travel_;
   std::vector<WaitingState> waiting_;
-  std::vector<std::int32_t> inner_, outer_, duplicated_, with_walls_;
+  std::vector<std::int32_t> inner_, outer_, duplicated_, with_walls_, zones_of_walls_;
   // row starts of each body's pairs, and (pair, side) entries in ascending partner order
   std::vector<std::int32_t> start_, entry_;
   // of each body's entries those that may have a force while pairs lie in blocks, in the same order: their number, and from the same

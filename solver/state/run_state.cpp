@@ -102,20 +102,15 @@ namespace {
 /// Impulses of walls, those of a wall added many at a time: pairs of several walls come in turn.
 class ImpulsesOfWalls {
  public:
-  explicit ImpulsesOfWalls(WallTotals& totals) : totals_(totals) {
-    constexpr std::size_t kMostWalls = 32;  // 1.5 kB each; of more walls, each has few contacts
-    if (totals.impulse.size() > kMostWalls) return;
-    terms_ = std::make_unique_for_overwrite<std::array<ManyTerms, 3>[]>(totals.impulse.size());
-    counts_.resize(totals.impulse.size());
-  }
+  explicit ImpulsesOfWalls(WallTotals& totals) : totals_(totals), walls_(totals.impulse.size() > kMostWalls ? 0 : totals.impulse.size()) {}
   ImpulsesOfWalls(const ImpulsesOfWalls&) = delete;
   ImpulsesOfWalls& operator=(const ImpulsesOfWalls&) = delete;
   ~ImpulsesOfWalls() {
-    for (std::size_t w = 0; w < counts_.size(); ++w) add_up(w);
+    for (std::size_t w = 0; w < walls_; ++w) add_up(w);
   }
 
   void add(std::size_t wall, const Vec3& impulse) {
-    if (counts_.empty()) {
+    if (walls_ == 0) {
       for (int k = 0; k < 3; ++k) totals_.impulse[wall][static_cast<std::size_t>(k)].add(impulse[k]);
       return;
     }
@@ -130,18 +125,22 @@ class ImpulsesOfWalls {
     counts_[wall] = 0;
   }
 
+  static constexpr std::size_t kMostWalls = 32;  // 1.5 kB each, on the stack; of more walls, each has few contacts
+
   WallTotals& totals_;
-  std::unique_ptr<std::array<ManyTerms, 3>[]> terms_;
-  std::vector<std::size_t> counts_;
+  std::size_t walls_;  // 0: each impulse for itself
+  std::array<std::array<ManyTerms, 3>, kMostWalls> terms_;
+  std::array<std::size_t, kMostWalls> counts_{};
 };
 
-void add_effects_of(std::span<const std::int32_t> pairs, const RunState& s, double dt, WallTotals& totals) {
+/// in   begin, end   of the pairs with walls
+void add_effects_of(std::size_t begin, std::size_t end, const RunState& s, double dt, WallTotals& totals) {
   PairResult of_block;
   ImpulsesOfWalls impulses(totals);
   const auto add_impulse = [&](std::size_t w, const Vec3& on_wall) { impulses.add(w, dt * on_wall); };
-  for (const std::int32_t k : pairs) {
-    const BodyPair& pair = s.pairs.stored_pairs()[static_cast<std::size_t>(k)];
-    const auto w = static_cast<std::size_t>(s.scene.zones()[static_cast<std::size_t>(pair.key.zone)].wall);
+  for (std::size_t n = begin; n < end; ++n) {
+    const std::int32_t k = s.pairs.with_walls()[n];
+    const auto w = static_cast<std::size_t>(s.scene.zones()[static_cast<std::size_t>(s.pairs.zones_of_walls()[n])].wall);
     const WallState& state = s.walls[w];
     // one that stands still does no work
     if (state.velocity == Vec3{} && state.angular_velocity == Vec3{} && !s.scene.has_moving_surfaces()) {
@@ -153,6 +152,7 @@ void add_effects_of(std::span<const std::int32_t> pairs, const RunState& s, doub
     const Vec3 on_wall = -r.force_a;
     add_impulse(w, on_wall);
     // torque on A about its centre turns into minus torque on the wall about any point, plus the lever
+    const BodyPair& pair = s.pairs.stored_pairs()[static_cast<std::size_t>(k)];
     const Vec3 lever = s.particles.x[static_cast<std::size_t>(pair.a)] - state.position;
     const Vec3 torque_wall = cross(lever, on_wall) - r.torque_a;
     totals.work.add(-dt * (dot(on_wall, state.velocity) + dot(torque_wall, state.angular_velocity)));
@@ -172,15 +172,12 @@ void add_effects_of(std::span<const std::int32_t> pairs, const RunState& s, doub
 void add_wall_effects(const RunState& s, double dt, WallTotals& totals) {
   // The sums are exact, so that threads may add up parts of them.
   constexpr std::size_t kWorthAThread = 64;  // pairs, 45 us: starting a thread and adding its part takes some 5 us
-  const std::span<const std::int32_t> pairs = s.pairs.with_walls();
-  const std::size_t parts = std::clamp<std::size_t>(pairs.size() / kWorthAThread, 1, static_cast<std::size_t>(omp_get_max_threads()));
-  const auto part = [&](std::size_t n) {
-    const std::size_t begin = pairs.size() * n / parts, end = pairs.size() * (n + 1) / parts;
-    return pairs.subspan(begin, end - begin);
-  };
+  const std::size_t count = s.pairs.with_walls().size();
+  const std::size_t parts = std::clamp<std::size_t>(count / kWorthAThread, 1, static_cast<std::size_t>(omp_get_max_threads()));
   std::vector<WallTotals> others(parts - 1, WallTotals(totals.impulse.size()));
 #pragma omp parallel for schedule(static, 1) if (parts > 1)
-  for (std::size_t n = 0; n < parts; ++n) add_effects_of(part(n), s, dt, n == 0 ? totals : others[n - 1]);
+  for (std::size_t n = 0; n < parts; ++n)
+    add_effects_of(count * n / parts, count * (n + 1) / parts, s, dt, n == 0 ? totals : others[n - 1]);
   for (WallTotals& other : others) add(other, totals);
 }
 
