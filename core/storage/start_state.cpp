@@ -57,6 +57,20 @@ PairColumn read_column(const h5::Group& group, const std::string& name) {
   return column;
 }
 
+template <class Value>
+void check_numbers(const h5::Group& group, const std::string& name, const std::vector<Value>& values) {
+  if constexpr (!std::is_same_v<Value, std::int64_t>) {
+    const auto wrong = std::find_if(values.begin(), values.end(), [](const Value& value) {
+      if constexpr (std::is_same_v<Value, double>)
+        return !std::isfinite(value);
+      else
+        return !is_finite(value);
+    });
+    if (wrong != values.end())
+      throw InputError("{}/{}: row {} is not a finite number; the file is damaged", group.path(), name, wrong - values.begin());
+  }
+}
+
 PairTable read_pair_table(const h5::Group& group, const std::string& kind) {
   PairTable table{
       kind, group.read_array<std::int64_t>(kA, 1), group.read_array<std::int64_t>(kB, 1), group.read_array<std::int64_t>(kZone, 1), {}};
@@ -68,6 +82,7 @@ PairTable read_pair_table(const h5::Group& group, const std::string& kind) {
   for (const std::string& name : names_in(group)) {
     if (name == kA || name == kB || name == kZone) continue;
     table.columns.push_back(read_column(group, name));
+    std::visit([&](const auto& values) { check_numbers(group, name, values); }, table.columns.back().values);
     check(name, std::visit([](const auto& values) { return values.size(); }, table.columns.back().values));
   }
   return table;

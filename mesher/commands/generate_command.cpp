@@ -131,6 +131,10 @@ CommandResult generate_command(const GenerateOptions& options, const std::vector
     std::vector<NamedMesh> meshes;
     if (options.what == "rock" || options.what == "stone") {
       meshes = make_family(options, name, report);
+      if (options.what == "stone" && options.triangles > 0 && planes_of_stone(options.triangles) > options.triangles / 8)
+        result.notices.push_back(
+            fmt::format("generate stone: --triangles {} is too few for a body: {} planes cut it, the fewest, as with {}", options.triangles,
+                        planes_of_stone(options.triangles), 8 * planes_of_stone(options.triangles)));
     } else {
       meshes.emplace_back(name, generated_mesh(options));
     }

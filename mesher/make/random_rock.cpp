@@ -109,12 +109,14 @@ TriangleMesh random_rock(const RockForm& form) {
   return mesh;
 }
 
+int planes_of_stone(std::int32_t triangles) { return std::max(6, triangles / 8); }
+
 TriangleMesh crushed_stone(const RockForm& form) {
   check_form(form);
   RandomStream random(form.seed);
   // the hull of each step is cut at a plane: corners beyond it go, edges through it end there
   TriangleMesh stone = icosphere(1);
-  const int planes = std::max(6, form.triangles / 8);
+  const int planes = planes_of_stone(form.triangles);
   for (int cut = 0; cut < planes; ++cut) {
     const Vec3 n = random.direction();
     const double offset = 0.62 + 0.25 * random.uniform();

@@ -27,7 +27,9 @@ inline constexpr double kFormTolerance = 0.01;
 /// Fails: UsageError for a form out of range.   Same form, same rock, on every machine with IEEE arithmetic.
 TriangleMesh random_rock(const RockForm& form);
 
-/// A crushed stone: a ball-like hull cut by `triangles` / 8 random planes, so that flat faces meet in sharp edges, and
+/// Planes that cut a stone of so many triangles: an eighth of them, at least six.
+int planes_of_stone(std::int32_t triangles);
+/// A crushed stone: a ball-like hull cut by planes_of_stone() random planes, so that flat faces meet in sharp edges, and
 /// stretched as a rock is. Convex. The number of triangles follows from the faces.
 TriangleMesh crushed_stone(const RockForm& form);
 

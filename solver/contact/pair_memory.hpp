@@ -178,12 +178,11 @@ struct PairKind<Turn> {
   }
 };
 
-/// Whether rows of a table lie among the springs of a pair.
+/// What lies among the springs of a pair and is none of a feature.
 template <class Row>
-inline constexpr bool kLiesAmongSprings = requires {
+concept RemembersBesideSprings = requires {
   Row::kKey;
-}
-|| std::is_same_v<Row, FrictionSpring>;
+};
 
 /// Calls action.operator()<Row>() for every table of a checkpoint.
 template <class Action>
@@ -206,7 +205,7 @@ std::vector<KeyedRow<Row>> rows_for_table(const std::vector<WaitingState>& state
     std::vector<KeyedRow<Row>> rows = keyed_rows<Row>(states);
     std::erase_if(rows, [](const KeyedRow<Row>& r) { return !is_of_feature(r.row); });
     return rows;
-  } else if constexpr (kLiesAmongSprings<Row>) {
+  } else if constexpr (RemembersBesideSprings<Row>) {
     std::vector<KeyedRow<Row>> rows;
     for (const WaitingState& s : states) {
       if (const FrictionSpring* row = row_of<Row>(s.state.springs)) rows.push_back({s.key, Row::of(*row)});
@@ -220,7 +219,7 @@ std::vector<KeyedRow<Row>> rows_for_table(const std::vector<WaitingState>& state
 /// Rows of a table as they lie in the state of a pair.
 template <class Row>
 auto as_in_state(const std::vector<KeyedRow<Row>>& rows) {
-  if constexpr (requires { Row::kKey; }) {
+  if constexpr (RemembersBesideSprings<Row>) {
     std::vector<KeyedRow<FrictionSpring>> springs;
     springs.reserve(rows.size());
     for (const KeyedRow<Row>& r : rows) springs.push_back({r.key, r.row.row()});

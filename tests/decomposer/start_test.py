@@ -452,6 +452,7 @@ def a_damaged_start_in_a_scene_is_refused():
     for name, change, says in [
             ("kind", lambda f: f.move("start/pairs/springs", "start/pairs/bonds"), "knows no such state of pairs"),
             ("column", lambda f: f.__delitem__("start/pairs/springs/force"), "has no column force"),
+            ("finite", lambda f: f["start/pairs/springs/force"].__setitem__((0, 1), float("nan")), "start/pairs/springs/force: row 0 is not a finite number"),
             ("pair", lambda f: f["start/pairs/springs/a"].__setitem__(0, 10**6), "which the scene does not have"),
             ("rows", lambda f: f["start"].attrs.__setitem__("bodies", 23), "rows expected"),
             ("number", lambda f: f["start/bodies/q_principal"].__setitem__((0, 0), 7.0), "unit quaternion")]:

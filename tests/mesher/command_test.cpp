@@ -439,6 +439,16 @@ TEST_F(Mesher, a_box_has_twelve_triangles_and_its_exact_volume) {
   EXPECT_LE(length(box.mass.principal_moments - 8e-6 / 12 * Vec3{5e-4, 17e-4, 20e-4}), 1e-20);
 }
 
+TEST_F(Mesher, a_stone_of_too_few_triangles_for_a_body_has_six_planes_and_a_notice) {
+  const ToolRun few = run("generate stone --diameter '2 cm' --triangles 20 -o few.shape.h5");
+  ASSERT_EQ(few.code, 0);
+  EXPECT_SAYS(few.errors, "--triangles 20 is too few for a body: 6 planes cut it, the fewest, as with 48");
+  const ToolRun enough = run("generate stone --diameter '2 cm' --triangles 48 -o enough.shape.h5");
+  ASSERT_EQ(enough.code, 0);
+  EXPECT_EQ(enough.errors.find("planes"), std::string::npos);
+  EXPECT_EQ(shapes("few.shape.h5")[0].mesh.triangle_count(), shapes("enough.shape.h5")[0].mesh.triangle_count());
+}
+
 TEST_F(Mesher, an_analytic_sphere_has_no_triangles_and_the_volume_of_the_ball) {
   ASSERT_EQ(run("generate sphere --radius 5mm --analytic --name bead -o x.shape.h5").code, 0);
   const Shape ball = shapes("x.shape.h5")[0];
