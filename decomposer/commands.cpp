@@ -21,6 +21,7 @@
 #include "decomposer/cut/predicted_work.hpp"
 #include "decomposer/packing/build_scene.hpp"
 #include "decomposer/packing/case_warnings.hpp"
+#include "decomposer/packing/shape_files.hpp"
 #include "decomposer/preview.hpp"
 #include "decomposer/sizes_report.hpp"
 #include "decomposer/tile_scene.hpp"
@@ -168,6 +169,8 @@ CommandResult check_command(const std::string& case_path, const std::vector<std:
   result.output = fmt::format("{}: correct; {} materials, {} pairs that can meet, {} shapes, {} bodies, {} populations{}, {} walls\n",
                               case_path, c.materials.size(), c.pairs.size(), c.shapes.size(), c.bodies.size(), c.populations.size(),
                               by_count && count > 0 ? fmt::format(" ({:.0f} particles)", count) : "", c.walls.size());
+  if (const std::vector<std::string> missing = check_shape_files(c); !missing.empty())
+    result.output += fmt::format("not there yet: {}\n", fmt::join(missing, ", "));
   return result;
 }
 

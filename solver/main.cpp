@@ -82,7 +82,7 @@ struct Command {
   VerifyOptions again;
   bool goes_on = true;  ///< false: the help was all
   bool verify = false, plan = false, slurm = false;
-  int planned_ranks = 0;  ///< of which --plan is to tell the time; 0: of those that run it
+  std::vector<int> planned_ranks;  ///< on each of which --plan is to tell the time, besides those that run it
   std::string halo = "overlap", send = "selected", cut = "rcb", simd = "best";
 };
 
@@ -94,7 +94,8 @@ void describe_run_options(CLI::App& app, Command& c) {
   app.add_option("scene", o.scene_path, "scene file made by scree-decomposer");
   app.add_option("-o,--output", o.run_folder, "run folder to make (default: the scene's name with .run)");
   app.add_flag("--plan", c.plan, "print what would be done, and stop");
-  app.add_option("--ranks", c.planned_ranks, "with --plan: the time on so many ranks too, also more than this machine has")
+  app.add_option("--ranks", c.planned_ranks, "with --plan: the time on so many ranks too, also more than this machine has: 16,64,256")
+      ->delimiter(',')
       ->check(CLI::Range(1, kMostRanks));
   app.add_flag("--print-slurm", c.slurm, "print a job script for SLURM that requeues itself, and stop");
   app.add_option("--restart", o.restart, "checkpoint file; 'latest' of the run folder; or 'auto': latest, or from the start");
@@ -144,9 +145,9 @@ void complete(const mpi::Communicator& comm, Command& c) {
   mpi::on_root(comm, [&] {
     if (!(o.stall_limit >= 0)) throw UsageError("--stall-limit {:g}: expected a time >= 0 s", o.stall_limit);
     if (!(o.checkpoint_interval >= 0)) throw UsageError("--checkpoint-interval {:g}: expected a time >= 0 s", o.checkpoint_interval);
-    if (c.planned_ranks > 0 && (!c.plan || comm.size() > 1))
-      throw UsageError("--ranks {}: expected with --plan on one rank; to run on {} ranks: mpirun -n {} scree-solver ...", c.planned_ranks,
-                       c.planned_ranks, c.planned_ranks);
+    if (!c.planned_ranks.empty() && (!c.plan || comm.size() > 1))
+      throw UsageError("--ranks {0}: expected with --plan on one rank; to run on {0} ranks: mpirun -n {0} scree-solver ...",
+                       c.planned_ranks.front());
     if (!c.verify && o.scene_path.empty()) throw UsageError("name a scene file, for instance drum.scene.h5; see scree-solver --help");
   });
   o.parallel = {c.halo == "blocking" ? HaloStrategy::blocking : HaloStrategy::overlap,

@@ -38,7 +38,7 @@ class Progress {
   Time start_, last_print_;
 };
 
-/// "3 min 12 s", "1 h 04 min", "0.8 s".
+/// "3 min 12 s", "1 h 04 min", "0.8 s"; from 100 hours "155 days".
 std::string format_duration(double seconds);
 
 }  // namespace scree

@@ -1,6 +1,7 @@
 #include "decomposer/case/case_file.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -242,6 +243,28 @@ void body_section(CaseKeys& k, Case& c) {
   c.bodies.push_back(b);
 }
 
+/// What was probably meant by a line that is no TOML: a unit without quotes, a comma for a point.   in   number   of the line, from 1
+std::string hint_for_line(const std::string& text, std::size_t number) {
+  std::istringstream lines(text);
+  std::string line;
+  for (std::size_t k = 0; k < number; ++k) std::getline(lines, line);
+  const std::size_t equals = line.find('=');
+  if (equals == std::string::npos) return "";
+  const std::size_t start = line.find_first_of("0123456789", equals);
+  if (start == std::string::npos || line.find_first_not_of(" \t+-", equals + 1) != start) return "";  // not a number
+  std::size_t end = line.find_first_not_of("0123456789._", start);
+  if (end != std::string::npos && (line[end] == 'e' || line[end] == 'E') && end + 1 < line.size() &&
+      line.find_first_of("0123456789+-", end + 1) == end + 1)
+    end = line.find_first_not_of("0123456789+-_", end + 1);
+  if (end == std::string::npos) return "";
+  if (line[end] == ',') return "; decimals have a point, not a comma";
+  const std::size_t word = line.find_first_not_of(" \t", end);
+  if (word == std::string::npos || !(std::isalpha(static_cast<unsigned char>(line[word])) != 0 || line[word] == '%')) return "";
+  const std::size_t last = line.find_last_not_of(" \t\r", line.find('#', word) - 1);
+  const std::size_t first = line.find_first_not_of(" \t", equals + 1);
+  return fmt::format("; a number with a unit is written in quotes: \"{}\"", line.substr(first, last + 1 - first));
+}
+
 }  // namespace
 
 std::vector<std::string> names_of_shapes(const Case& c) {
@@ -293,7 +316,8 @@ Case parse_case(const std::string& text, const std::string& path, const std::str
   try {
     file = parse_toml(text, path);
   } catch (const toml::parse_error& e) {
-    throw UsageError("{}:{}:{}: {}", path, e.source().begin.line, e.source().begin.column, e.description());
+    throw UsageError("{}:{}:{}: {}{}", path, e.source().begin.line, e.source().begin.column, e.description(),
+                     hint_for_line(text, e.source().begin.line));
   }
   apply_settings(file, changes);
   if (const toml::node* removed = file.get("distance")) {

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <numeric>
@@ -11,7 +9,6 @@
 
 #include "core/base/counted.hpp"
 #include "core/base/error.hpp"
-#include "core/base/near_file.hpp"
 #include "core/base/numbers.hpp"
 #include "core/base/units.hpp"
 #include "core/geometry/closed_mesh.hpp"
@@ -30,6 +27,7 @@
 #include "decomposer/packing/packer.hpp"
 #include "decomposer/packing/relax.hpp"
 #include "decomposer/packing/settle.hpp"
+#include "decomposer/packing/shape_files.hpp"
 #include "decomposer/packing/start_checks.hpp"
 
 namespace scree {
@@ -84,6 +82,7 @@ class Builder {
     check_outlets();
     check_cell();
     if (parts_.carried) out_.start = start_of(parts_.carried->from, scene(), parts_.carried->wall_partner);
+    out_.inputs.insert(out_.inputs.end(), files_.inputs().begin(), files_.inputs().end());
     fill_report();
     report().facets = facets_of_walls(parts_, scene());
     report().case_warnings = warnings_of_case(case_, parts_, scene(), report());
@@ -194,7 +193,7 @@ class Builder {
       }
     }
     if (of.cells > 0) return;  // cut when margin and sizes are known
-    const ShapeFile& file = open_shapes(of.pieces, of.where);
+    const ShapeFile& file = files_.open(of.pieces, of.where);
     check_pieces(of, parts_.shapes[shape].shape, file);
     pieces_.emplace(shape, file);
   }
@@ -249,49 +248,8 @@ class Builder {
 
   // ---- files ----
 
-  const ShapeFile& open_shapes(const std::string& file, const std::string& where) {
-    const auto found = files_.find(file);
-    if (found != files_.end()) return found->second;
-    try {
-      ShapeFile content = read_shape_file(file);
-      out_.inputs.push_back({file, sha256_of_file(file), content.provenance});
-      return files_.emplace(file, std::move(content)).first->second;
-    } catch (const InputError& e) {
-      const bool is_told = !file.ends_with(".h5") || (!std::filesystem::exists(file) && !near_file(file).empty());
-      throw InputError("{}: {}{}", where, e.what(), is_told ? "" : "; make it with scree-mesher import");
-    }
-  }
-
-  Shape load_shape(const CaseShape& s) {
-    if (s.file.empty()) return make_sphere(s.name, s.sphere_radius);
-    const ShapeFile& file = open_shapes(s.file, s.where);
-    std::string names;
-    for (const Shape& shape : file.shapes) {
-      if (file.shapes.size() == 1 && s.name_in_file.empty()) {
-        if (shape.kind == ShapeKind::surface) {
-          throw InputError("{}: {} is a wall surface without mass; import it without --surface to use it as a body", s.where, s.file);
-        }
-      } else if (shape.name != s.name_in_file) {
-        names += (names.empty() ? "" : ", ") + shape.name;
-        continue;
-      }
-      Shape result = shape;
-      result.name = s.name;
-      return result;
-    }
-    if (!s.name_in_file.empty()) throw UsageError("{}: {} has no shape '{}'; it has: {}", s.where, s.file, s.name_in_file, names);
-    throw UsageError("{}: {} holds {} shapes ({}); say which with name = \"...\"", s.where, s.file, file.shapes.size(), names);
-  }
-
   void load_shapes() {
-    std::vector<bool> used(case_.shapes.size(), false);
-    for (const CaseBody& b : case_.bodies) used[static_cast<std::size_t>(b.shape)] = true;
-    for (const CasePopulation& p : case_.populations) {
-      for (const auto& share : p.shares) used[static_cast<std::size_t>(share.first)] = true;
-    }
-    for (const CaseInlet& i : case_.inlets) {
-      for (const auto& share : i.shares) used[static_cast<std::size_t>(share.first)] = true;
-    }
+    const std::vector<bool> used = used_shapes(case_);
     parts_.shapes.resize(case_.shapes.size());
     parts_.scene_shape.assign(case_.shapes.size(), -1);
     for (std::size_t i = 0; i < case_.shapes.size(); ++i) {
@@ -300,7 +258,7 @@ class Builder {
         report().notices.push_back(fmt::format("{}: is not used", case_.shapes[i].where));
         continue;
       }
-      parts_.shapes[i] = make_pack_shape(load_shape(case_.shapes[i]));
+      parts_.shapes[i] = make_pack_shape(files_.body_shape(case_.shapes[i]));
       parts_.scene_shape[i] = static_cast<std::int32_t>(scene().shapes.size());
       scene().shapes.push_back(parts_.shapes[i].shape);
       scene().shapes.back().cell_size = case_.shapes[i].cell_size;
@@ -320,12 +278,7 @@ class Builder {
 
   Shape load_wall_surface(const CaseWall& wall, std::size_t index) {
     if (wall.form) return make_surface(wall.wall.name, wall.form->surface);
-    const ShapeFile& file = open_shapes(wall.file, wall.where);
-    if (file.shapes.size() != 1) {
-      throw InputError("{}: {} holds {} shapes; a wall is made of one", wall.where, wall.file, file.shapes.size());
-    }
-    const Shape& source = file.shapes.front();
-    if (source.kind == ShapeKind::sphere) throw InputError("{}: {} is an analytic sphere; use a fixed body", wall.where, wall.file);
+    const Shape& source = files_.wall_shape(wall);
     parts_.wall_is_solid[index] = source.kind == ShapeKind::solid;
     Shape surface = make_surface(source.name, mesh_of_file(source));
     surface.verdict = source.verdict;
@@ -369,7 +322,7 @@ class Builder {
   Region load_region(const CaseRegion& asked, const std::string& where) {
     if (asked.shape) return region_of(*asked.shape);
     if (asked.wall >= 0) return inside_of(static_cast<std::size_t>(asked.wall), where);
-    const ShapeFile& file = open_shapes(asked.file, where);
+    const ShapeFile& file = files_.open(asked.file, where);
     const Shape& source = file.shapes.front();
     if (file.shapes.size() != 1 || source.kind == ShapeKind::sphere) {
       throw InputError("{}: {} cannot be a region; expected one closed mesh", where, asked.file);
@@ -538,9 +491,12 @@ class Builder {
   /// Refuses what no packing can hold, before anything is drawn.
   static void check_amount(const CasePopulation& p, const Region& region, double volume) {
     if (volume < region.volume) return;
+    constexpr double kSurelyWrong = 1e3;  // a length in another unit is a factor of 10 at least
     throw InputError(
-        "{}: the bodies alone take {:.4g} m^3 and more, the region has {:.4g} m^3; request fewer or smaller bodies, or enlarge the region",
-        p.where, volume, region.volume);
+        "{}: the bodies alone take {:.4g} m^3 and more, the region has {:.4g} m^3; request fewer or smaller bodies, or enlarge the "
+        "region{}",
+        p.where, volume, region.volume,
+        volume > kSurelyWrong * region.volume ? "; was a mesh in mm? scree-mesher import MESH --unit mm" : "");
   }
 
   void fill_report() {
@@ -555,7 +511,7 @@ class Builder {
   Case case_;  // of whose pairs only those stay that can meet
   const ChildSolver& solver_;
   PackedScene out_;
-  std::map<std::string, ShapeFile> files_;
+  ShapeFiles files_;
   PieceFiles pieces_;
   SceneParts parts_;
 };

@@ -5,6 +5,7 @@
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
 #include "core/storage/contact_limits.hpp"
+#include "core/storage/domain_side.hpp"
 #include "decomposer/packing/packer.hpp"
 
 namespace scree {
@@ -86,7 +87,9 @@ void Packer::place_carried_bodies() {
   std::vector<std::size_t> touching(parts_.walls.size(), 0);
   for (std::size_t i = 0; i < carried.placed.size(); ++i) {
     BodyRow row = carried.from.bodies[i];
-    if (!domain_holds(row.position)) throw InputError("{}: {} lies outside the domain", case_.start->where, carried.from.name_of(row.id));
+    if (!domain_holds(row.position))
+      throw InputError("{}: {} lies outside the domain: its centre is {}; widen the domain, or leave it out with start.leave_out",
+                       case_.start->where, carried.from.name_of(row.id), beyond_side(now.domain, row.position, true));
     if (!row.fixed) check_carried_at_walls(i, is_wider, touching);
     if (is_wider) check_carried_pairs(i);
     keep(carried.placed[i], kFirstCarried - static_cast<std::int32_t>(i));

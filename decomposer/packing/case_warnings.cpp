@@ -13,6 +13,7 @@
 #include "core/geometry/half_edges.hpp"
 #include "core/geometry/mass_properties.hpp"
 #include "core/storage/attraction.hpp"
+#include "core/storage/domain_side.hpp"
 #include "core/storage/plasticity.hpp"
 #include "decomposer/packing/start_points.hpp"
 
@@ -264,6 +265,38 @@ void warn_of_extents(const Case& c, const SceneParts& parts, const Movers& mover
   }
 }
 
+/// Bodies are placed in the part of a region that lies in the domain; in a container that reaches beyond it they leave the domain.
+void warn_of_domain(const Case& c, const SceneParts& parts, std::vector<std::string>& warnings) {
+  Domain domain = c.settings.domain;
+  if (!domain.bounded) return;
+  constexpr double kRounding = 1e-9;  // of the extent: what is drawn on a side lies on it
+  const Vec3 by = kRounding * (domain.upper - domain.lower);
+  domain.lower -= by;
+  domain.upper += by;
+  const auto beyond = [&](const Box3& box) {
+    const std::string lower = beyond_side(domain, box.lower, false), upper = beyond_side(domain, box.upper, false);
+    return lower.empty() || upper.empty() ? lower + upper : lower + " and " + upper;
+  };
+  for (std::size_t k = 0; k < c.populations.size(); ++k) {
+    const std::string sides = beyond(parts.regions[k].box);
+    if (sides.empty() || c.populations[k].region.wall >= 0) continue;
+    warnings.push_back(
+        fmt::format("{}.region reaches {}: bodies are placed in the part of it that lies in the domain, and its solid fraction "
+                    "is of the whole region",
+                    c.populations[k].where, sides));
+  }
+  if (domain.outside != Outside::stop) return;
+  for (std::size_t i = 0; i < parts.walls.size(); ++i) {
+    const Wall& wall = parts.walls[i];
+    if (wall.kind == WallKind::plane || wall.kind == WallKind::mesh) continue;  // a mesh may be a floor, wider than what is computed
+    if (const std::string sides = beyond(region_of(wall).box); !sides.empty())
+      warnings.push_back(
+          fmt::format("{} (wall '{}') reaches {}: a body that gets there leaves the domain, which ends the run (outside = "
+                      "\"stop\"); widen the domain",
+                      c.walls[i].where, wall.name, sides));
+  }
+}
+
 /// The largest part of a velocity that lies along a surface somewhere on a wall, of 1.
 double share_along(const Wall& wall, const Scene& scene, const Vec3& direction) {
   const auto along = [&](const Vec3& normal) { return length(cross(direction, normalised(normal))); };
@@ -316,6 +349,12 @@ void warn_of_steps(const Case& c, const Movers& movers, std::vector<std::string>
     warnings.push_back(
         fmt::format("time.duration = {} is less than a single contact takes ({} of the lightest body, {}, by the stiffest pair)",
                     seconds(s.duration), seconds(contact), format_quantity(movers.lightest, Dimension::mass)));
+  }
+  if (s.step > contact) {
+    warnings.push_back(fmt::format(
+        "time.step = {} is {:.3g} times the time that a contact of the lightest body by the stiffest pair takes ({}): the solver "
+        "refuses a step above the critical one; leave out time.step, or give at most {}",
+        seconds(s.step), s.step / contact, seconds(contact), seconds(contact / s.steps_per_contact)));
   }
   const double step = s.step > 0 ? s.step : contact / s.steps_per_contact;
   if (s.duration / step > kMaxSteps) {
@@ -643,6 +682,7 @@ std::vector<std::string> warnings_of_case(const Case& c, const SceneParts& parts
   const Movers movers = movers_of(c, parts, scene);
   if (!(movers.largest > 0)) return warnings;
   warn_of_extents(c, parts, movers, warnings);
+  warn_of_domain(c, parts, warnings);
   warn_of_steps(c, movers, warnings);
   warn_of_stiffness(c, scene, movers, warnings);
   warn_of_attraction(c, scene, movers, warnings);

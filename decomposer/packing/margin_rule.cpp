@@ -69,8 +69,13 @@ bool moves_away(const WallMotion& motion, const std::vector<Vec3>& points, const
   return farthest <= nearest;
 }
 
+struct FastestImpact {
+  double speed = 0;     ///< [m/s]
+  std::string of_wall;  ///< where most of it is the speed of a wall, how much and which
+};
+
 /// Fastest impact to expect: initial speeds, the highest fall, the fastest wall.
-double fastest_impact(const Case& c, const SceneParts& parts, const Scene& scene) {
+FastestImpact fastest_impact(const Case& c, const SceneParts& parts, const Scene& scene) {
   double speed = 0;
   std::size_t movers = parts.draws.size();
   for (const CaseBody& b : c.bodies) {
@@ -103,12 +108,16 @@ double fastest_impact(const Case& c, const SceneParts& parts, const Scene& scene
     }
   }
   double wall_speed = 0;
+  std::string wall_name;
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
     // what rides on a surface has its speed where it leaves it
     const Wall& wall = scene.walls[i];
     const std::vector<Vec3> points = wall_points(parts, i);
-    if (!moves_away(wall.motion, points, starts)) wall_speed = std::max(wall_speed, wall.motion.fastest(points));
-    wall_speed = std::max(wall_speed, wall.surface.motion.fastest(points));
+    const double moves = moves_away(wall.motion, points, starts) ? 0 : wall.motion.fastest(points);
+    const double fastest = std::max(moves, wall.surface.motion.fastest(points));
+    if (!(fastest > wall_speed)) continue;
+    wall_speed = fastest;
+    wall_name = fmt::format("{} (wall '{}')", c.walls[i].where, wall.name);
   }
   for (std::size_t i = 0; parts.carried && i < parts.carried->placed.size(); ++i) {
     const BodyRow& row = parts.carried->from.bodies[i];
@@ -142,7 +151,10 @@ double fastest_impact(const Case& c, const SceneParts& parts, const Scene& scene
     else if (has_walls && top > bottom)
       fall = std::min(fall, std::sqrt(2 * g * (top - bottom)));
   }
-  return fall + (movers >= 2 ? 2 : 1) * speed + wall_speed;
+  const double all = fall + (movers >= 2 ? 2 : 1) * speed + wall_speed;
+  return {all, wall_speed > 0.5 * all
+                   ? fmt::format(", of which {} are the speed of {}", format_quantity(wall_speed, Dimension::velocity), wall_name)
+                   : ""};
 }
 
 constexpr double kNoticeShare = 0.05, kLargestShare = 0.2;  // margins that are told, and refused, over the smallest body's diameter
@@ -292,7 +304,8 @@ class MarginRule {
   Thinnest thinnest_;
   double softest_ = 1e300;  // [N/m]
   double depth_ = 0;        // of the fastest impact [m]
-  std::string pulled_;      // what attracts, for messages
+  std::string impact_of_wall_;
+  std::string pulled_;  // what attracts, for messages
   // Margins by size are those of bodies with meshes. Where balls alone move they are those of the fixed meshes, of which the smallest must
   // bear the blow of the heaviest ball.
   bool balls_on_fixed_ = false;
@@ -342,9 +355,13 @@ void MarginRule::find_bodies() {
     }
   }
   const bool is_frozen = case_.settings.heat && case_.settings.heat->frozen;
-  report_.fastest_impact = case_.settings.impact_speed > 0 ? case_.settings.impact_speed
-                           : is_frozen                     ? 0
-                                                           : fastest_impact(case_, parts_, scene_);
+  if (case_.settings.impact_speed > 0) {
+    report_.fastest_impact = case_.settings.impact_speed;
+  } else if (!is_frozen) {
+    const FastestImpact impact = fastest_impact(case_, parts_, scene_);
+    report_.fastest_impact = impact.speed;
+    impact_of_wall_ = impact.of_wall;
+  }
   settings_.impact_speed = report_.fastest_impact;
   for (const CaseWall& w : case_.walls) has_wall_meshes_ = has_wall_meshes_ || w.wall.kind == WallKind::mesh;
   from_touch_ = !has_meshes_ && (by_size_ || !has_wall_meshes_) && !(case_.settings.barrier > 0);
@@ -439,9 +456,10 @@ void MarginRule::check_derived(double derived) const {
   // the depth of a blow is proportional to the root of the stiffness, that of what lies on a body to the stiffness: less would do for that
   const double needed =
       softest_ * std::pow(from_touch_ ? depth_ / (2 * kOverlapShare * kNoticeShare * smallest_) : derived / (kNoticeShare * smallest_), 2);
-  const std::string from = fmt::format(
-      "the heaviest body ({}), the fastest impact expected ({}) and the softest pair ({}){}", format_quantity(heaviest_, Dimension::mass),
-      format_quantity(report_.fastest_impact, Dimension::velocity), format_quantity(softest_, Dimension::stiffness), pulled_);
+  const std::string from =
+      fmt::format("the heaviest body ({}), the fastest impact expected ({}{}) and the softest pair ({}){}",
+                  format_quantity(heaviest_, Dimension::mass), format_quantity(report_.fastest_impact, Dimension::velocity),
+                  impact_of_wall_, format_quantity(softest_, Dimension::stiffness), pulled_);
   const bool by_modulus = std::any_of(case_.pairs.begin(), case_.pairs.end(), [](const CasePair& p) { return p.pair.modulus > 0; });
   const std::string cure = by_modulus ? fmt::format("a modulus {:.3g} times as large would bring it to", needed / softest_)
                                       : fmt::format("a stiffness of {} would bring it to", format_quantity(needed, Dimension::stiffness));
@@ -486,10 +504,11 @@ void MarginRule::check_use() const {
   constexpr double kWarnShare = 0.8;
   if (!(report_.overlap_share > kWarnShare)) return;
   report_.notices.push_back(fmt::format(
-      "the fastest impact expected ({}) of the heaviest body or part ({}) would use up {:.2f} of the margins, of which {} end the run; "
+      "the fastest impact expected ({}{}) of the heaviest body or part ({}) would use up {:.2f} of the margins, of which {} end the run; "
       "raise stiffness to {} or margin to {}",
-      format_quantity(report_.fastest_impact, Dimension::velocity), format_quantity(heaviest_, Dimension::mass), report_.overlap_share,
-      kStopOverlapRatio, format_quantity(softest_ * std::pow(report_.overlap_share / kOverlapShare, 2), Dimension::stiffness),
+      format_quantity(report_.fastest_impact, Dimension::velocity), impact_of_wall_, format_quantity(heaviest_, Dimension::mass),
+      report_.overlap_share, kStopOverlapRatio,
+      format_quantity(softest_ * std::pow(report_.overlap_share / kOverlapShare, 2), Dimension::stiffness),
       metres(settings_.margin * report_.overlap_share / kOverlapShare)));
 }
 

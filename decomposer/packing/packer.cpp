@@ -8,6 +8,7 @@
 #include "core/placing/orientation.hpp"
 #include "core/placing/random_numbers.hpp"
 #include "core/storage/contact_limits.hpp"
+#include "core/storage/domain_side.hpp"
 
 namespace scree {
 
@@ -119,7 +120,9 @@ void Packer::place_given_bodies() {
   for (std::size_t i = 0; i < case_.bodies.size(); ++i) {
     const CaseBody& b = case_.bodies[i];
     const PlacedBody body{&parts_.shape(b.shape), b.scale, b.position, b.orientation};
-    if (!domain_holds(b.position)) throw InputError("{}: lies outside the domain", b.where);
+    if (!domain_holds(b.position))
+      throw InputError("{}: lies outside the domain: its centre is {}; move it, or widen the domain", b.where,
+                       beyond_side(case_.settings.domain, b.position, true));
     // a fixed body may stand in a wall: nothing ever computes their contact
     std::size_t wall = 0;
     const std::vector<Vec3> vertices = body.world_vertices();

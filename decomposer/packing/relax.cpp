@@ -229,6 +229,15 @@ class Relaxer {
     return p.depth >= 2 * (b.scale * parts_.shape(b.shape).radius + common_margin(scene_.settings));
   }
 
+  /// Balls touch each other, and walls that are no meshes, where they are drawn.
+  bool has_margins(const Pressed& p) const {
+    if (!(layer(p.body) > 0)) return false;
+    const bool by_shape = scene_.settings.surface == TouchAt::drawn && bodies_[p.body].is_sphere();
+    const bool other_is_mesh = p.wall >= 0 ? scene_.walls[static_cast<std::size_t>(p.wall)].kind == WallKind::mesh
+                                           : !bodies_[static_cast<std::size_t>(p.other)].is_sphere();
+    return !by_shape || other_is_mesh;
+  }
+
   std::string describe(const Pressed& p) const {
     const std::size_t thrown =
         p.other >= 0 && inverse_mass(static_cast<std::size_t>(p.other)) > inverse_mass(p.body) ? static_cast<std::size_t>(p.other) : p.body;
@@ -239,10 +248,10 @@ class Relaxer {
     if (lies_outside(p))
       return fmt::format("{}: lies wholly {} {}", case_.bodies[p.body].where,
                          scene_.walls[static_cast<std::size_t>(p.wall)].kind == WallKind::plane ? "behind" : "outside of", whom);
-    const double energy = energy_of(p), speed = std::sqrt(2 * energy * inverse_mass(thrown)), margins = layer(p.body);
-    const std::string deep = !overlaps(p)  ? fmt::format("starts {} within the margins of {}", metres(p.depth), whom)
-                             : margins > 0 ? fmt::format("overlaps {}, {} short of a gap of two margins", whom, metres(p.depth))
-                                           : fmt::format("overlaps {} by {}", whom, metres(p.depth));
+    const double energy = energy_of(p), speed = std::sqrt(2 * energy * inverse_mass(thrown));
+    const std::string deep = !overlaps(p)     ? fmt::format("starts {} within the margins of {}", metres(p.depth), whom)
+                             : has_margins(p) ? fmt::format("overlaps {}, {} short of a gap of two margins", whom, metres(p.depth))
+                                              : fmt::format("overlaps {} by {}", whom, metres(p.depth));
     return fmt::format("{}: {}; this stores {:.3g} J, a speed of {}", case_.bodies[p.body].where, deep, energy,
                        format_quantity(speed, Dimension::velocity));
   }

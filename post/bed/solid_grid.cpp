@@ -161,7 +161,8 @@ void write_grid_vti(const std::string& path, const GridCells& cells, const std::
     }
   };
   add_array([&](std::size_t i) { return solid[i]; });
-  add_array([&](std::size_t i) { return 1 - solid[i]; });
+  // bodies that overlap fill a cell twice: closures of a fluid solver divide by what is left
+  add_array([&](std::size_t i) { return std::max(0.0, 1 - solid[i]); });
   add_array([&](std::size_t i) { return in_container[i] != 0 ? 1.0 : 0.0; });
   file.add(text + "\n</AppendedData>\n</VTKFile>\n");
   file.commit();

@@ -36,6 +36,8 @@ inline constexpr double kStepDoubtful = 1.35;
 inline constexpr double kContactStepsGood = 8;
 /// What a servo misses on average of the force asked, over the last tenth of the log. Beds that still give way take more.
 inline constexpr double kServoForce = 0.05;
+/// Of what an inlet is to bring in: what has no room at the end of a run that is not blocked is the last body or two.
+inline constexpr double kShortfallGood = 0.01;
 inline constexpr double kImbalanceGood = 1.3;  ///< largest over mean work of the ranks; more costs time, never correctness
 
 }  // namespace scree

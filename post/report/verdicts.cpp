@@ -13,6 +13,7 @@
 
 #include "core/base/units.hpp"
 #include "post/report/drive_verdict.hpp"
+#include "post/report/inlet_verdict.hpp"
 #include "post/run/drawn_meshes.hpp"
 #include "post/run/provenance_chain.hpp"
 
@@ -454,6 +455,7 @@ std::vector<Verdict> judge(const Run& run) {
   const std::vector<Wall>& walls = run.scene.walls;
   if (std::any_of(walls.begin(), walls.end(), [](const Wall& wall) { return wall.motion.drive().has_value(); }))
     all.insert(all.begin() + 4, judge_drives(run));
+  if (!run.scene.inlets.empty()) all.insert(all.begin() + 4, judge_inlets(run));
   return all;
 }
 

@@ -55,12 +55,12 @@ std::vector<std::size_t> choose_frames(const Run& run, const std::string& text) 
   for (const std::string& part : split(text, ',')) {
     const std::vector<std::string> ends = split(part, ':');
     if (ends.size() == 1) {
-      chosen.push_back(find_frame(run, integer_in(part, where)));
+      chosen.push_back(find_frame(run, integer_in(part, where), "--frames"));
       continue;
     }
     if (ends.size() > 3) throw UsageError("{}: '{}' is no range; expected first:last or first:last:step", where, part);
-    const std::size_t first = ends[0].empty() ? 0 : find_frame(run, integer_in(ends[0], where));
-    const std::size_t last = ends[1].empty() ? run.frames.size() - 1 : find_frame(run, integer_in(ends[1], where));
+    const std::size_t first = ends[0].empty() ? 0 : find_frame(run, integer_in(ends[0], where), "--frames");
+    const std::size_t last = ends[1].empty() ? run.frames.size() - 1 : find_frame(run, integer_in(ends[1], where), "--frames");
     const std::int64_t step = ends.size() == 3 && !ends[2].empty() ? integer_in(ends[2], where) : 1;
     if (step < 1) throw UsageError("{}: the step is {}; it must be 1 or more", where, step);
     for (std::size_t i = first; i <= last; i += static_cast<std::size_t>(step)) chosen.push_back(i);

@@ -30,7 +30,7 @@ constexpr std::array kNumbers{"steps",          "step_size",     "critical_step"
 constexpr std::array kObjects{"phases", "energy", "memory", "deep_contacts"};
 /// Lists of records, and what is read of each.
 constexpr std::array kLists{"inlets", "outlets", "drives"};
-constexpr std::array kNumbersOfRecords{"bodies", "mass", "shortfall", "wall"};
+constexpr std::array kNumbersOfRecords{"bodies", "mass", "owed", "shortfall", "wall"};
 
 nlohmann::json read_outcome(const std::string& path) {
   std::ifstream stream(path);
@@ -216,13 +216,13 @@ Frame load_frame(const Run& run, std::size_t index, FrameParts parts) {
   return frame;
 }
 
-std::size_t find_frame(const Run& run, std::int64_t number) {
+std::size_t find_frame(const Run& run, std::int64_t number, const char* option) {
   if (number == -1) return run.frames.size() - 1;
   const std::string wanted = fmt::format("frame_{:06}.hdf", number);
   for (std::size_t i = 0; i < run.frames.size(); ++i) {
     if (fs::path(run.frames[i].path).filename() == wanted) return i;
   }
-  throw UsageError("--frame {}: {} has no {}; its frames go from {} to {}, and -1 is the last", number, run.folder, wanted,
+  throw UsageError("{} {}: {} has no {}; its frames go from {} to {}, and -1 is the last", option, number, run.folder, wanted,
                    fs::path(run.frames.front().path).filename().string(), fs::path(run.frames.back().path).filename().string());
 }
 

@@ -60,7 +60,7 @@ void drop_damaged_frames(Run& run);
 Frame load_frame(const Run& run, std::size_t index, FrameParts parts = FrameParts::all);
 
 /// Turns "--frame N" into an index: the number in the file's name; -1 is the last. Throws UsageError.
-std::size_t find_frame(const Run& run, std::int64_t number);
+std::size_t find_frame(const Run& run, std::int64_t number, const char* option = "--frame");
 
 /// Reads log.csv. An unfinished last line is left out. Throws InputError when it is no such table.
 LogTable read_log(const std::string& path);

@@ -301,7 +301,7 @@ class RunComparer {
 void RunComparer::compare_settings() {
   const std::vector<SettingDifference> settings = setting_differences(runs_);
   std::string csv = "setting";
-  for (const std::string& name : names_) csv += "," + csv_cell(name);
+  for (const std::string& name : names_) csv += fmt::format(",{}", csv_cell(name));
   csv += "\n";
   result_.text = settings.empty() ? "settings: no difference\n" : "settings that differ\n";
   json_["settings"] = nlohmann::json::object();

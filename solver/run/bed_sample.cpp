@@ -9,6 +9,7 @@
 #include "core/placing/random_numbers.hpp"
 #include "solver/phases.hpp"
 #include "solver/run/measures.hpp"
+#include "solver/run/plan_memory.hpp"
 
 namespace scree {
 
@@ -209,12 +210,6 @@ class Stopwatch {
   Simulation& simulation_;
   double budget_, used_ = 0;
 };
-
-double memory_of_pairs(const RunState& s) {
-  double bytes = 0;
-  for (const BodyPair& pair : s.pairs.pairs()) bytes += static_cast<double>(memory_of(pair));
-  return bytes;
-}
 
 /// Contacts of a body where others lie above it, and of all: the topmost third has fewer, and is a small part of a real bed.
 struct ContactsOfBody {

@@ -57,15 +57,20 @@ double owed_at(const Scene& scene, const Inlet& inlet, const InletState& state, 
   return inlet.rate.by_number ? number : number * mean;
 }
 
+/// Of that, what has found no room. To one body the rate is met: only what found no room is missing.
+double shortfall_of(const Inlet& inlet, const InletState& state, double owed) {
+  const double had = inlet.rate.by_number ? static_cast<double>(state.count) : state.mass;
+  return state.is_blocked != 0 ? std::max(0.0, owed - had) : 0.0;
+}
+
 nlohmann::json inlet_json(const Scene& scene, const Inlet& inlet, const InletState& state, double time) {
-  const double owed = owed_at(scene, inlet, state, time), had = inlet.rate.by_number ? static_cast<double>(state.count) : state.mass;
+  const double owed = owed_at(scene, inlet, state, time);
   nlohmann::json j;
   j["name"] = inlet.name;
   j["bodies"] = state.count;
   j["mass"] = state.mass;
   j["owed"] = owed;
-  // to one body the rate is met: only what found no room is missing
-  j["shortfall"] = state.is_blocked != 0 ? std::max(0.0, owed - had) : 0.0;
+  j["shortfall"] = shortfall_of(inlet, state, owed);
   j["came_in_again"] = state.returned;
   j["in_transit"] = state.queue.size();
   j["times_blocked"] = state.blocked_looks;
@@ -135,6 +140,19 @@ void add_measures(nlohmann::json& run, const RunRecord& record) {
 }
 
 }  // namespace
+
+std::vector<std::string> blocked_inlets(const Scene& scene, const RunState& state) {
+  std::vector<std::string> lines;
+  for (std::size_t k = 0; k < scene.inlets.size(); ++k) {
+    const Inlet& inlet = scene.inlets[k];
+    const InletState& now = state.totals.inlets[k];
+    const double owed = owed_at(scene, inlet, now, state.clock.time()), missing = shortfall_of(inlet, now, owed);
+    if (missing > 0)
+      lines.push_back(fmt::format("inlet '{}': {:.4g} of {:.4g} {} did not come in: the inlet was blocked to the end", inlet.name, missing,
+                                  owed, inlet.rate.by_number ? "bodies" : "kg"));
+  }
+  return lines;
+}
 
 void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const RunOptions& options, const LoadedScene& loaded,
                    Simulation& simulation, const RunRecord& record, const RestWatch& rest, const nlohmann::json& provenance) {

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "solver/run/checkpoint.hpp"
 #include "solver/run/loaded_scene.hpp"
@@ -23,5 +24,8 @@ struct Outcome {
 /// Fails: throws SystemError on every rank when the disk refuses.
 void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const RunOptions& options, const LoadedScene& loaded,
                    Simulation& simulation, const RunRecord& record, const RestWatch& rest, const nlohmann::json& provenance);
+
+/// A line on each inlet that has been blocked to the end.
+std::vector<std::string> blocked_inlets(const Scene& scene, const RunState& state);
 
 }  // namespace scree

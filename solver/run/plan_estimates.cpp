@@ -2,12 +2,10 @@
 
 #include <fmt/format.h>
 #include <omp.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <vector>
 
 #include "core/base/progress.hpp"
@@ -15,6 +13,7 @@
 #include "core/storage/frame_file.hpp"
 #include "solver/run/bed_sample.hpp"
 #include "solver/run/inflow.hpp"
+#include "solver/run/plan_memory.hpp"
 #include "solver/run/plan_pace.hpp"
 #include "solver/run/plan_ranks.hpp"
 #include "solver/run/thread_choice.hpp"
@@ -40,14 +39,6 @@ constexpr double kBallInBed = 0.2e-6, kMeshInBed = 2.5e-6;
 /// From the runs of tests/benchmarks/plan, those with outlets apart.
 constexpr double kSpread = 2.5;
 
-/// Resident memory of this process [bytes].
-double resident() {
-  std::ifstream file("/proc/self/statm");
-  double all = 0, pages = 0;
-  file >> all >> pages;
-  return pages * static_cast<double>(sysconf(_SC_PAGESIZE));
-}
-
 BodiesToCut bodies_to_cut(Simulation& simulation) {
   const RunState& s = simulation.state();
   BodiesToCut bodies;
@@ -58,11 +49,6 @@ BodiesToCut bodies_to_cut(Simulation& simulation) {
     bodies.work.push_back(std::max(s.particles.work[i], 1e-12));  // not measured yet: as good as none
   }
   return bodies;
-}
-
-std::string bytes_text(double bytes) {
-  if (bytes < 1e6) return fmt::format("{:.0f} kB", bytes / 1e3);
-  return bytes < 1e9 ? fmt::format("{:.1f} MB", bytes / 1e6) : fmt::format("{:.1f} GB", bytes / 1e9);
 }
 
 /// The numbers of a plan, and their text.
@@ -93,6 +79,15 @@ class Estimates {
     const double all = bed_ ? time_as_bed(pace, bed_->resting) : time_without_sample(pace);
     return all / steps / std::max(1.0, bodies_at(0));
   }
+  /// The lines on so many ranks, after text().
+  std::string on_ranks(const Pace& pace, const BodiesToCut& bodies, int ranks) const {
+    if (bodies.x.size() < static_cast<std::size_t>(ranks))
+      return fmt::format("  {:<13} more than the {} bodies of the scene at its start: no estimate\n", fmt::format("{} ranks", ranks),
+                         bodies.x.size());
+    const StepOnRanks step = step_on_ranks(bodies, time_of_body(pace), ranks);
+    const double spread = bed_ || contacts_are_to_form(pace) ? kSpread : 1;
+    return text_of(step, static_cast<double>(steps_), spread, bytes_text(memory_of_rank(most_memory_, step)));
+  }
   /// Processor time that a sample may take [s]: a tenth of what the run may take, and no more than a user waits for.
   double sample_budget() const { return std::clamp(0.1 * guess(), 5.0, 20.0); }
   void take(const std::optional<BedSample>& bed) {
@@ -100,12 +95,14 @@ class Estimates {
     is_asked_ = true;
   }
 
-  std::string text(const Pace& pace, double memory) {
+  std::string text(const Pace& pace, const MemoryNow& memory) {
     if (pace.steps > 0) add_time(pace);
-    constexpr double kWhileFiles = 6e6;  // that HDF5 and MPI hold on each rank while they write: 5 to 8 MB in the ready cases
-    const double most = memory + kWhileFiles * comm_.size() + (bed_ ? bed_->memory * bodies_at(settings_.duration) : 0);
-    line("memory in all", fmt::format("{} now{}, about {} while files are written{}", bytes_text(memory),
-                                      comm_.size() > 1 ? ", of all ranks together" : "", bytes_text(most), bed_ ? " in a bed" : ""));
+    const double bodies = static_cast<double>(scene_.bodies.size() - masses_.size()) + bodies_at(settings_.duration);
+    const double in_bed = bed_ ? bed_->memory : contacts_are_to_form(pace) ? usual_memory_of_pairs(have_meshes()) : 0;
+    most_memory_ = most_memory(memory, comm_.size(), bodies, come_by(settings_.duration), in_bed);
+    line("memory in all",
+         fmt::format("{} now{}, about {} while files are written{}", bytes_text(memory.all),
+                     comm_.size() > 1 ? ", of all ranks together" : "", bytes_text(most_memory_), in_bed > 0 ? " in a bed" : ""));
     add_disk(pace);
     add_help();
     return text_;
@@ -115,14 +112,13 @@ class Estimates {
   void line(const std::string& what, const std::string& value) { text_ += fmt::format("  {:<13} {}\n", what, value); }
 
   /// Processor time of a body and step in a bed [s], before a sample tells.
-  double usual_cost() const {
+  double usual_cost() const { return have_meshes() ? kMeshInBed : kBallInBed; }
+  bool have_meshes() const {
     const auto is_mesh = [&](std::int32_t shape) { return scene_.shapes[static_cast<std::size_t>(shape)].kind != ShapeKind::sphere; };
-    const bool meshes =
-        std::any_of(scene_.bodies.shape.begin(), scene_.bodies.shape.end(), is_mesh) ||
-        std::any_of(scene_.inlets.begin(), scene_.inlets.end(), [&](const Inlet& inlet) {
-          return std::any_of(inlet.shares.begin(), inlet.shares.end(), [&](const Inlet::Share& share) { return is_mesh(share.shape); });
-        });
-    return meshes ? kMeshInBed : kBallInBed;
+    return std::any_of(scene_.bodies.shape.begin(), scene_.bodies.shape.end(), is_mesh) ||
+           std::any_of(scene_.inlets.begin(), scene_.inlets.end(), [&](const Inlet& inlet) {
+             return std::any_of(inlet.shares.begin(), inlet.shares.end(), [&](const Inlet::Share& share) { return is_mesh(share.shape); });
+           });
   }
   /// Time of the run as a bed from that [s].
   double guess() const { return usual_cost() * mean_bodies() * static_cast<double>(steps_); }
@@ -202,9 +198,9 @@ class Estimates {
     estimate_ = time_without_sample(pace);
     if (contacts_are_to_form(pace)) {
       line("wall time",
-           fmt::format("about {} ({} to {}): {:.3g} us a step as now, {:.3g} us once all lie in a bed, with about {:.0f} contacts",
+           fmt::format("about {} ({} to {}): {} a step as now, {} once all lie in a bed, with about {:.0f} contacts",
                        format_duration(estimate_), format_duration(estimate_ / kSpread), format_duration(estimate_ * kSpread),
-                       1e6 * pace.per_step(), 1e6 * usual_cost() * bodies_at(settings_.duration), contacts_at_rest()));
+                       step_text(pace.per_step()), step_text(usual_cost() * bodies_at(settings_.duration)), contacts_at_rest()));
       const std::string no_sample =
           is_asked_ ? fmt::format(
                           ": no sample of the bed was settled, with this step it would take longer than the {:.0f} s that a plan may take",
@@ -212,8 +208,8 @@ class Estimates {
                     : "";
       line("", fmt::format("from the usual cost of a body in a bed, {:.3g} us a step{}", 1e6 * usual_cost(), no_sample));
     } else {
-      line("wall time", fmt::format("about {} at the pace of {} steps that were just made ({:.3g} us a step, {} contacts)",
-                                    format_duration(estimate_), pace.steps, 1e6 * pace.per_step(), pace.contacts));
+      line("wall time", fmt::format("about {} at the pace of {} steps that were just made ({} a step, {} contacts)",
+                                    format_duration(estimate_), pace.steps, step_text(pace.per_step()), pace.contacts));
     }
     add_load(pace);
     add_cores();
@@ -224,9 +220,9 @@ class Estimates {
     const double faster = faster_than_one(pace);
     const double bodies = bodies_at(settings_.duration);
     estimate_ = time_as_bed(pace, bed_->resting) / faster;
-    line("wall time", fmt::format("about {} ({} to {}): {:.3g} us a step as now, {:.3g} us once {:.0f} bodies lie in a bed",
-                                  format_duration(estimate_), format_duration(estimate_ / kSpread), format_duration(estimate_ * kSpread),
-                                  1e6 * pace.per_step(), 1e6 * bed_->resting * bodies / faster, bodies));
+    line("wall time", fmt::format("about {} ({} to {}): {} a step as now, {} once {:.0f} bodies lie in a bed", format_duration(estimate_),
+                                  format_duration(estimate_ / kSpread), format_duration(estimate_ * kSpread), step_text(pace.per_step()),
+                                  step_text(bed_->resting * bodies / faster), bodies));
     line("", fmt::format("a sample of {} of these bodies was settled in {:.1f} s: {:.3g} us a body and step in a bed, {:.3g} in free fall; "
                          "{:.2f} contacts a body",
                          bed_->bodies, bed_->seconds, 1e6 * bed_->resting, 1e6 * bed_->falling, bed_->contacts));
@@ -353,13 +349,15 @@ class Estimates {
   std::vector<double> masses_;       ///< of the bodies that move, ascending [kg]
   std::int64_t steps_ = 0;
   double scene_bytes_ = 0;
-  double estimate_ = 0;  ///< of the time of the run [s]
+  double estimate_ = 0;     ///< of the time of the run [s]
+  double most_memory_ = 0;  ///< of all ranks [bytes]
   std::string text_;
 };
 
 }  // namespace
 
-std::string estimates_text(const mpi::Communicator& comm, const LoadedScene& loaded, Simulation& simulation, int other_ranks) {
+std::string estimates_text(const mpi::Communicator& comm, const LoadedScene& loaded, Simulation& simulation,
+                           std::span<const int> other_ranks) {
   Estimates estimates(comm, loaded, simulation);
   Pace pace;
   try {
@@ -367,16 +365,14 @@ std::string estimates_text(const mpi::Communicator& comm, const LoadedScene& loa
   } catch (const RunInvalid& reason) {  // on all ranks
     return fmt::format("  wall time     none: the run ends in its first steps; {}\n", reason.what());
   }
-  const double memory = comm.sum(resident());
+  const MemoryNow memory = memory_now(comm, simulation.state());
   if (estimates.needs_sample(pace))
     estimates.take(settle_sample(*loaded.prepared, simulation.state().clock.size.step, estimates.sample_budget()));
   std::string text = estimates.text(pace, memory);
-  const BodiesToCut bodies = other_ranks > 0 ? bodies_to_cut(simulation) : BodiesToCut{};
-  if (bodies.x.size() < static_cast<std::size_t>(other_ranks))
-    return text + fmt::format("  {:<13} more than the {} bodies of the scene at its start: no estimate\n",
-                              fmt::format("{} ranks", other_ranks), bodies.x.size());
-  if (other_ranks > 0)
-    text += text_of(step_on_ranks(bodies, estimates.time_of_body(pace), other_ranks), static_cast<double>(estimates.steps()));
+  const BodiesToCut bodies = other_ranks.empty() ? BodiesToCut{} : bodies_to_cut(simulation);
+  for (const int ranks : other_ranks) text += estimates.on_ranks(pace, bodies, ranks);
+  if (!other_ranks.empty())
+    text += fmt::format("  {:<13} assumed of ranks: 2 us a message and 1 GB/s each; bodies are cut where they are now\n", "");
   return text;
 }
 

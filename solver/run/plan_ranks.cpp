@@ -46,13 +46,24 @@ StepOnRanks step_on_ranks(const BodiesToCut& bodies, double body, int ranks) {
   return step;
 }
 
-std::string text_of(const StepOnRanks& step, double steps) {
+std::string step_text(double seconds) {
+  constexpr double kMicroseconds = 0.01;  // below it, whose numbers are easily compared
+  return seconds < kMicroseconds ? fmt::format("{:.3g} us", 1e6 * seconds)
+         : seconds < 1           ? fmt::format("{:.3g} ms", 1e3 * seconds)
+                                 : fmt::format("{:.3g} s", seconds);
+}
+
+std::string text_of(const StepOnRanks& step, double steps, double spread, const std::string& memory) {
+  const double all = step.seconds * steps;
+  const std::string range =
+      spread > 1 ? fmt::format(" ({} to {})", format_duration(all / spread), format_duration(all * spread)) : std::string();
   return fmt::format(
-      "  {:<13} about {} on {} cores of this kind: {:.3g} us a step, efficiency {:.2f} (ghosts take {:.2f} of a step, messages {:.2f})\n"
-      "  {:<13} parts of {:.0f} bodies (at most {:.0f}), {:.0f} ghosts and {:.0f} neighbours at most, imbalance {:.3f}\n"
-      "  {:<13} assumed: 2 us a message and 1 GB/s a rank; bodies are cut where they are now\n",
-      fmt::format("{} ranks", step.ranks), format_duration(step.seconds * steps), step.ranks, 1e6 * step.seconds, step.efficiency,
-      step.of_ghosts, step.of_messages, "", step.bodies_mean, step.bodies_max, step.ghosts_max, step.neighbours_max, step.imbalance, "");
+      "  {:<13} about {}{} on {} cores of this kind: {} a step, efficiency {:.2f} (ghosts take {:.2f} of a step, messages {:.2f}); "
+      "about {} for each\n"
+      "  {:<13} parts of {:.0f} bodies (at most {:.0f}), {:.0f} ghosts and {:.0f} neighbours at most, imbalance {:.3f}\n",
+      fmt::format("{} ranks", step.ranks), format_duration(all), range, step.ranks, step_text(step.seconds), step.efficiency,
+      step.of_ghosts, step.of_messages, memory, "", step.bodies_mean, step.bodies_max, step.ghosts_max, step.neighbours_max,
+      step.imbalance);
 }
 
 }  // namespace scree

@@ -282,6 +282,7 @@ void RunSteps::finish() {
     std::fprintf(stderr, "scree-solver: %s\n", text_of(simulation_.state().scene, deep, simulation_.state().clock.size.step).c_str());
   cores_.report_once();
   for (const std::string& line : idle_servos(simulation_.state())) warn_once("scree-solver", line);
+  for (const std::string& line : blocked_inlets(loaded_.scene, simulation_.state())) warn_once("scree-solver", line);
   if (!reason.empty()) std::fprintf(stderr, "scree-solver: %s\n", reason.c_str());
   const RunRecord& record = guard_.record();
   const std::string since = is_restart_ ? fmt::format(" ({} of them since the restart)", simulation_.step() - first_step_) : "";

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/storage/domain_side.hpp"
 #include "solver/bodies/motion.hpp"
 
 namespace scree {
@@ -53,9 +54,8 @@ void check_domain(const RunState& s) {
   const ParticleSet& p = s.particles;
   for (std::size_t i = 0; i < p.owned; ++i) {
     if (p.fixed[i] || !is_outside(s.scene, p.x[i])) continue;
-    const Vec3 over = component_max(domain.lower - p.x[i], p.x[i] - domain.upper);
-    throw RunInvalid("step {}: body {} left the domain and is {:g} m outside; widen domain, or set outside = \"remove\" or \"keep\"",
-                     s.clock.step, p.id[i], std::max({over.x, over.y, over.z}));
+    throw RunInvalid("step {}: body {} left the domain and is {}; widen domain, or set outside = \"remove\" or \"keep\"", s.clock.step,
+                     p.id[i], beyond_side(domain, p.x[i], false));
   }
 }
 

@@ -127,6 +127,8 @@ TEST(progress, writes_durations_as_people_say_them) {
   EXPECT_EQ(format_duration(192.0), "3 min 12 s");
   EXPECT_EQ(format_duration(3840.0), "1 h 04 min");
   EXPECT_EQ(format_duration(59.7), "1 min 00 s");
+  EXPECT_EQ(format_duration(99 * 3600.0 + 60), "99 h 01 min");
+  EXPECT_EQ(format_duration(13391880.0), "155 days");
 }
 
 }  // namespace

@@ -207,6 +207,9 @@ TEST(CaseFile, a_wrong_unit_is_refused_with_what_was_found_and_what_to_write) {
   expect_refusal(replaced("friction = 0.4", "friction = \"0.5 m\""),
                  {"case.toml:15: pairs[0].friction = \"0.5 m\": a length, but friction has no unit; write 0.5"});
   expect_refusal(replaced("\"0.3 mm\"", "\"0.3 kg\""), {"case.toml:21: contact.margin = \"0.3 kg\"", "a mass", "a length"});
+  expect_refusal(replaced("density = 2700", "density = -2.7e+3 kg/m^3  # dry"),
+                 {"case.toml:8:", "a number with a unit is written in quotes: \"-2.7e+3 kg/m^3\""});
+  expect_refusal(replaced("friction = 0.4", "friction = 0,4"), {"case.toml:15:", "decimals have a point, not a comma"});
   expect_refusal(replaced("density = 2700", "density = \"2700 kg\""), {"case.toml:8: materials.rock.density", "a density"});
   expect_refusal(replaced("\"5 cm\"", "\"5 cn\""), {"case.toml:27", "region.box"});
 }

@@ -204,8 +204,20 @@ TEST_F(Command, tile_repeats_the_bodies_and_grows_the_box) {
 }
 
 TEST_F(Command, check_reads_a_case_and_needs_no_other_file) {
+  EXPECT_EQ(run("check case.toml").output.find("not there yet"), std::string::npos);
   fs::remove(folder_ / "cube.shape.h5");
   expect("check case.toml", 0, {"correct", "40 particles"});
+  const std::string said = run("check case.toml").output;
+  EXPECT_NE(said.find("not there yet: "), std::string::npos) << said;
+  EXPECT_NE(said.find("cube.shape.h5 (case.toml:"), std::string::npos) << said;
+}
+
+TEST_F(Command, check_opens_the_shape_files_that_are_there) {
+  fs::rename(folder_ / "cube.shape.h5", folder_ / "whole.shape.h5");
+  write("cube.shape.h5", "solid cube\nendsolid cube\n");
+  const ToolRun packed = run("pack case.toml -o a.scene.h5"), checked = run("check case.toml");
+  EXPECT_EQ(checked.code, 3);
+  EXPECT_EQ(checked.errors, packed.errors);
 }
 
 TEST_F(Command, a_mistake_in_the_case_exits_with_2_and_leaves_no_file) {

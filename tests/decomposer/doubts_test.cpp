@@ -85,6 +85,29 @@ TEST(Doubts, a_wall_that_is_tiny_beside_the_bodies) {
       {"wall 'tray'", "100 um long", "120 times as much"});
 }
 
+TEST(Doubts, a_region_and_a_container_that_reach_beyond_the_domain) {
+  const std::string domain = "[domain]\nmin = [0, 0, 0]\nmax = [0.06, 0.08, 0.08]\n[contact]";
+  const std::vector<std::string> found = doubts({{"[contact]", domain}});
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_NE(found[0].find("populations[0].region reaches 20 mm beyond domain.max x: bodies are placed in the part"), std::string::npos)
+      << found[0];
+  EXPECT_NE(found[1].find("walls[0] (wall 'crate') reaches 20 mm beyond domain.max x"), std::string::npos) << found[1];
+  EXPECT_EQ(doubts({{"[contact]", "[domain]\nmin = [0, 0, 0]\nmax = [0.08, 0.08, 0.08]\n[contact]"}}), std::vector<std::string>{});
+  // where bodies may leave, the container may reach farther; through a periodic side nothing leaves
+  const std::string removes = domain.substr(0, domain.size() - 9) + "outside = \"remove\"\n[contact]";
+  expect_doubt({{"[contact]", removes}}, {"populations[0].region reaches 20 mm"});
+  const std::string periodic = domain.substr(0, domain.size() - 9) + "periodic = [\"x\"]\n[contact]";
+  EXPECT_EQ(doubts({{"[contact]", periodic},
+                    {"box_inside = [[0, 0, 0], [0.08, 0.08, 0.08]]", "plane = { point = [0, 0, 0], normal = [0, 0, 1] }"}}),
+            std::vector<std::string>{});
+}
+
+TEST(Doubts, a_step_that_the_solver_refuses) {
+  expect_doubt({{"duration = 2", "duration = 2\nstep = 0.1"}},
+               {"time.step = 100 ms is", "times the time that a contact of the lightest body", "give at most"});
+  EXPECT_EQ(doubts({{"duration = 2", "duration = 2\nstep = 1e-5"}}), std::vector<std::string>{});
+}
+
 TEST(Doubts, friction_that_is_left_out) {
   expect_doubt({{"friction = 0.5\n", ""}}, {"no friction is given", "stone on stone", "write friction = 0"});
 }

@@ -267,6 +267,32 @@ TEST_F(RunFolder, a_step_is_judged_by_what_it_costs_and_the_cure_is_named) {
   EXPECT_NEAR(restitution_error(16), std::sqrt(0.012 * 0.006), 1e-3);
 }
 
+TEST_F(RunFolder, an_inlet_that_had_no_room_is_doubtful) {
+  const Scene scene = test::sample_scene(12);
+  const auto judged = [&](double missing) {
+    write_scene_file((folder / "scene.h5").string(), scene);
+    std::ofstream(folder / "run.json") << test::sample_outcome(scene, test::sample_frame(scene, 0, 0));
+    scree::Run run = open_run(folder.string());
+    (*run.outcome)["inlets"] = {
+        {{"bodies", 3}, {"mass", 0.02}, {"owed", 1.0}, {"shortfall", missing}, {"times_blocked", missing > 0 ? 2673 : 0}},
+        {{"bodies", 7}, {"mass", 0.1}, {"owed", 7}, {"shortfall", 0}, {"times_blocked", 1}}};
+    run.scene.inlets.resize(2);
+    run.scene.inlets[0].name = "feed";
+    run.scene.inlets[1].name = "dust";
+    run.scene.inlets[1].rate.by_number = true;
+    return verdict(judge(run), "Inlets");
+  };
+  const Verdict blocked = judged(0.98), met = judged(0), nearly = judged(0.005);
+  EXPECT_EQ(blocked.judgement, Judgement::doubtful);
+  EXPECT_EQ(blocked.answer, "98 % of 'feed' found no room");
+  EXPECT_NE(blocked.evidence.find("0.98 of 1 kg found no room by the end, and 2673 times there was none"), std::string::npos)
+      << blocked.evidence;
+  EXPECT_EQ(met.judgement, Judgement::good);
+  EXPECT_EQ(met.answer, "all came in that was due");
+  EXPECT_EQ(nearly.judgement, Judgement::good);
+  EXPECT_EQ(nearly.answer, "0.5 % of 'feed' found no room");
+}
+
 TEST_F(RunFolder, walls_that_answer_to_force_are_judged_by_the_force_that_they_hold) {
   const auto judged = [&](double force, double way, const nlohmann::json& note) {
     Scene scene = test::sample_scene(12);

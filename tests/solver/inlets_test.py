@@ -261,6 +261,8 @@ region = { box = [[-0.03, -0.03, 0.02], [0.03, 0.03, 0.05]] }
     said = run(1, "full.scene.h5", "-o", "full.run").stderr
     assert said.count("no room") == 1 and "run.json has the shortfall" in said, said
     record = outcome("full.run")
+    at_end = f"inlet 'inlet 0': {record['inlets'][0]['shortfall']:.4g} of {record['inlets'][0]['owed']:.4g} bodies did not come in"
+    assert said.count(at_end) == 1, (said, at_end)
     inlet = record["inlets"][0]
     assert 5 < inlet["bodies"] < 60 and inlet["times_blocked"] > 10, inlet
     assert abs(inlet["owed"] - 100 * record["time"]) < 1e-9 and inlet["shortfall"] == inlet["owed"] - inlet["bodies"] > 90, inlet
@@ -270,7 +272,7 @@ region = { box = [[-0.03, -0.03, 0.02], [0.03, 0.03, 0.05]] }
     shutil.copytree("full.run", "again.run")
     make_killed("again.run")
     said = run(2, "full.scene.h5", "-o", "again.run", "--restart", "latest").stderr
-    assert "no room" not in said, said
+    assert "no room" not in said and said.count(at_end) == 1, said
     assert outcome("again.run")["inlets"] == record["inlets"] and outcome("again.run")["state_hash"] == record["state_hash"]
     pack("stop", text.replace("number_rate", 'when_full = "stop"\nnumber_rate'))
     for ranks in (1, 2):

@@ -114,6 +114,7 @@ def a_sample_that_would_take_too_long_is_named():
     bed("stiff", 10, stiffness=4e11)
     plan = plan_of("stiff", "--ranks", "4")
     found = re.search(r"wall time +about .+ \(.+ to .+\): ([\d.e+-]+) us a step as now, ([\d.e+-]+) us once all lie in a bed, with about (\d+) contacts", plan)
+    assert "while files are written in a bed" in re.search(r"memory in all .*", plan)[0], plan
     cost = re.search(r"from the usual cost of a body in a bed, ([\d.e+-]+) us a step: no sample of the bed was settled", plan)
     assert found and cost, plan
     assert 140 < int(found[3]) < 1400 and 0.05 < float(cost[1]) < 50, plan
@@ -137,8 +138,21 @@ def ranks_are_counted_as_the_solver_counts_them():
     assert int(counts[1]) == 35 and abs(int(counts[2]) - max(bodies)) <= 3, (plan, bodies)
     assert 0.5 * max(ghosts) <= int(counts[3]) <= 1.5 * max(ghosts), (plan, ghosts)
     assert int(counts[4]) == max(int(row["neighbours"]) for row in rows), (plan, rows)
-    many = plan_of("parts", "--ranks", "1000")
+    many = plan_of("parts", "--ranks", "2,4,1000")
     assert "1000 ranks    more than the 140 bodies" in many, many
+    each = [re.search(rf"\n  {ranks} ranks +about .*; about ([\d.]+) MB for each\n", many) for ranks in (2, 4)]
+    assert all(each) and 20 < float(each[1][1]) <= float(each[0][1]), many
+
+
+def memory_is_what_the_run_takes():
+    """20 000 balls that do not touch, with frames: the most that the process held."""
+    balls = POPULATION.format(top=3).replace("count = 140", 'count = 20000\nmethod = "lattice"').replace("min = 0.008, max = 0.011", "min = 0.0036, max = 0.004")
+    pack("cloud", BED.format(duration=1e-3, shape="sphere = { radius = 0.005 }", margin=0, source=balls, every=5e-4, gravity=0).replace("0.6]", "4]"))
+    found = re.search(r"memory in all +([\d.]+) MB now, about ([\d.]+) MB while files are written\n", plan_of("cloud"))
+    assert found
+    run(1, "cloud.scene.h5", "-o", "cloud.run")
+    taken = outcome("cloud.run")["peak_rss_bytes"] / 1e6
+    assert 0.8 < float(found[2]) / taken < 1.25, (found[0], taken)
 
 
 def ranks_without_a_plan_are_refused():
@@ -151,4 +165,4 @@ def ranks_without_a_plan_are_refused():
 
 
 main([the_sample_of_a_bed_has_the_contacts_of_the_bed, a_sample_is_made_of_what_inlets_will_bring, no_sample_where_none_is_needed, a_sample_that_would_take_too_long_is_named,
-      ranks_are_counted_as_the_solver_counts_them, ranks_without_a_plan_are_refused])
+      ranks_are_counted_as_the_solver_counts_them, memory_is_what_the_run_takes, ranks_without_a_plan_are_refused])
