@@ -119,6 +119,10 @@ def axes_of(sweep):
                 corrected, end = ";" + values[found.start(1):end] + corrected, found.start()
             corrected = f"{key}={values[:end]}{corrected}"
             raise Wrong(f"sweep: '{further[1]}=' stands in a value of {key}; keys are separated by a semicolon: \"sweep={sweep.replace(part, corrected)}\"")
+        if "," in hidden(values):
+            corrected = "|".join(value.strip() for words in split(values, "|") for value in split(words, ","))
+            raise Wrong(f"sweep: a comma stands in a value of {key}={values}; values of a sweep are separated by |: \"sweep={sweep.replace(part, f'{key}={corrected}')}\"; "
+                        "a value with a comma in it stands in quotes or brackets")
         check(key, "sweep")
         if any(key == axis[0][0] for axis in axes):
             raise Wrong(f"sweep: {key} stands there twice; give all its values in one place: {key}=VALUE|VALUE|...")

@@ -110,6 +110,12 @@ for sweep, corrected in (("pairs.0.friction=0.2|0.6,time.duration=1 s|2 s", "pai
                          ("pairs.0.friction=0.2|0.6 seed=1|2", "pairs.0.friction=0.2|0.6;seed=1|2")):
     assert f'"sweep={corrected}"' in wrong(case_keys.axes_of, sweep), wrong(case_keys.axes_of, sweep)
 assert "expected KEY=VALUE|VALUE" in wrong(case_keys.axes_of, "seed=1;friction")
+# a comma between values, where the bar belongs; in quotes and brackets a comma is part of a value
+for sweep, corrected in (("pairs.*.friction=0.2,0.6", "pairs.*.friction=0.2|0.6"), ("seed=1|2;pairs.*.friction=0.2, 0.4|0.6", "seed=1|2;pairs.*.friction=0.2|0.4|0.6"),
+                         ('walls.0.shape.plane.normal=[0, 0, 1],[0, 1, 1]', 'walls.0.shape.plane.normal=[0, 0, 1]|[0, 1, 1]')):
+    said = wrong(case_keys.axes_of, sweep)
+    assert "values of a sweep are separated by |" in said and f'"sweep={corrected}"' in said, said
+assert len(case_keys.axes_of('title="a, b"|\'c, d\';gravity=[0, 0, -9.81]|[1, 0, -9];populations.0.region={ box = [[0, 0, 0], [1, 1, 1]] }')) == 3
 assert case_keys.axes_of('title="x;y|z"|"w"') == [[("title", '"x;y|z"'), ("title", '"w"')]]
 assert "seed stands there twice" in wrong(case_keys.axes_of, "seed=1|2;gravity.2=-9|-8;seed=3|4")
 OWN = str(WORKFLOWS / "own_case.smk")
@@ -140,6 +146,7 @@ for case, words, *says in (
         ("own.toml", ["size=smal"], "own.toml has no word 'size'"), ("own.toml", ["replica=2"], "did you mean 'replicas'?"),
         ("repose", ["sweep=pairs.0.friction=0.2|0.6,seed=1"], '"sweep=pairs.0.friction=0.2|0.6;seed=1"'), ("repose", ["sweep=pairs.0.frictoin=1"], "did you mean 'friction'?"),
         ("own.toml", ["sweep=walls.0.motion.rotat.rate=20 rpm"], "did you mean 'rotate'?"),
+        ("own.toml", ["sweep=pairs.*.friction=0.2,0.6"], "values of a sweep are separated by |", '"sweep=pairs.*.friction=0.2|0.6"'),
         ("calibrate", ["budgt=3"], "calibrate has no word 'budgt', did you mean 'budget'?"), ("calibrate", [*HEAP, "size=small"], "calibrate has no word 'size'"),
         ("calibrate", ["target=heap:angel_of_repose=34+-1", HEAP[1]], "no quantity 'angel_of_repose', did you mean 'angle_of_repose'?"),
         ("calibrate", [HEAP[0], "keys=pairs.0.frictoin=0.1..0.8"], "keys: pairs.0.frictoin", "did you mean 'friction'?"),
