@@ -140,7 +140,7 @@ def everything():
     if "points" in config:
         return [f"{run}.statistics/statistics.json" for run in RUNS]
     if POINTS:
-        return ["sweep.csv", "sweep.svg", "sweep.png"]
+        return ["sweep.csv", "sweep_means.csv", "sweep.svg", "sweep.png"]
     return [file for run in RUNS for file in result(run)]
 
 
@@ -315,7 +315,7 @@ rule statistics:
 # The points of the sweep are part of the command: another grid makes another table.
 rule sweep:
     input: expand("{run}.statistics/statistics.json", run=POINTS)
-    output: "sweep.csv", "sweep.svg", "sweep.png"
+    output: "sweep.csv", "sweep_means.csv", "sweep.svg", "sweep.png"
     params:
         points=lambda wildcards: json.dumps(POINTS),
         plot=PLOT,

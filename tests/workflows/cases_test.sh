@@ -237,6 +237,9 @@ case $4 in
     run drum "sweep=pairs.*.friction=0.2|0.6;time.duration=20 ms" replicas=2 plot=mean_speed
     [[ $(wc -l <"$scratch/drum/sweep.csv") -eq 5 ]] || { cat "$scratch/drum/sweep.csv"; exit 1; }
     [[ $(cut -d, -f9 "$scratch/drum/sweep.csv" | sort -u | wc -l) -gt 2 ]] || { echo "seeds change nothing"; exit 1; }
+    # one row for each friction: two seeds, their mean, and half of its interval
+    awk -F, 'NR == 1 { for (k = 1; k <= NF; ++k) if ($k == "centre_of_mass_z_mean") m = k } NR > 1 { if ($4 != 2 || !($m > 0) || !($(m + 1) > 0)) exit 1 } END { if (NR != 3 || !m) exit 1 }' \
+      "$scratch/drum/sweep_means.csv" || { cat "$scratch/drum/sweep_means.csv"; exit 1; }
     there drum/sweep.png
     if "$runner" drum --out "$scratch/bad" --dry-run --config "sweep=friction" >"$scratch/log" 2>&1; then echo "a sweep without values was accepted"; exit 1; fi
     holds log "expected KEY=VALUE|VALUE" ;;

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
-"""The chart of a sweep places values by what they are, whatever their units. usage: sweep_table_test.py WORKFLOWS UNITS.cpp SCRATCH"""
+"""The chart of a sweep places values by what they are, whatever their units; means over seeds have Student's interval. usage: sweep_table_test.py WORKFLOWS UNITS.cpp SCRATCH"""
+import csv
 import json
+import math
 import pathlib
 import re
 import subprocess
@@ -14,18 +16,24 @@ from run_record import PREFIXED, PREFIXES, SYMBOLS, quantity_of  # noqa: E402
 SCRATCH.mkdir(parents=True, exist_ok=True)
 
 
-def line_of(values, means):
-    """Ends of the drawn line through a sweep over `values`, and the label of the axis."""
-    points = {}
-    for number, (value, mean) in enumerate(zip(values, means)):
-        name = f"r{number}"
-        points[name] = {"case": "r", "key": value}
+def made_of(points, numbers):
+    """The chart, and the rows of sweep_means.csv. points: of each run its keys; numbers: of each run its quantities, (mean, ci95) each."""
+    names = [f"r{number}" for number in range(len(points))]
+    for name, quantities in zip(names, numbers):
+        entries = {quantity: {"mean": mean, "ci95": ci95, "unit": "-"} for quantity, (mean, ci95) in quantities.items()}
         for folder, file, content in ((f"{name}.run", "run.json", {"outcome": "completed", "steps": 1, "wall_seconds": 1}),
-                                      (f"{name}.statistics", "statistics.json", {"groups": {"all": {"speed": {"mean": mean, "ci95": None, "unit": "-"}}}})):
+                                      (f"{name}.statistics", "statistics.json", {"groups": {"all": entries}})):
             (SCRATCH / folder).mkdir(exist_ok=True)
             (SCRATCH / folder / file).write_text(json.dumps(content))
-    subprocess.run(["/usr/bin/python3", WORKFLOWS / "sweep_table.py", json.dumps(points), "speed", "sweep.csv", "sweep.svg"], cwd=SCRATCH, check=True)
-    svg = (SCRATCH / "sweep.svg").read_text()
+    points = {name: {"case": "r", **point} for name, point in zip(names, points)}
+    subprocess.run(["/usr/bin/python3", WORKFLOWS / "sweep_table.py", json.dumps(points), "speed", "sweep.csv", "sweep_means.csv", "sweep.svg"], cwd=SCRATCH, check=True)
+    with open(SCRATCH / "sweep_means.csv", newline="", encoding="utf-8") as file:
+        return (SCRATCH / "sweep.svg").read_text(), list(csv.DictReader(file))
+
+
+def line_of(values, means):
+    """Ends of the drawn line through a sweep over `values`, and the label of the axis."""
+    svg, _ = made_of([{"key": value} for value in values], [{"speed": (mean, None)} for mean in means])
     lines = [re.findall(r"[ML] ([-0-9.]+) ([-0-9.]+)", d) for d in re.findall(r'<path d="([^"]*)"[^>]*style="fill: none; stroke: #0072b2', svg)]
     line = max(lines, key=lambda path: float(path[-1][0]) - float(path[0][0]))   # the others are error bars
     return [(float(x), float(y)) for x, y in line], svg
@@ -46,6 +54,32 @@ for values, means in ((["120 rpm", "5 rad/s", "1 rev/s", "300 deg/s"], [12.56637
 assert "<!-- key [mm] -->" in svg, "no unit at the axis"
 assert len(line_of(["10 mm", "1 cm", "2 cm"], [1, 1, 2])[0]) == 2, "one place, drawn twice"
 assert len(line_of(["rcb", "rib"], [1, 2])[0]) == 2
+
+# means over seeds: of 1, 2, 4 the mean 7/3, and Student's t of two degrees of freedom, 4.302653, times sqrt(7/3 / 3)
+TWO = {"mass": (5.0, None)}
+svg, rows = made_of([{"key": value, "seed": seed} for value in ("8 mm", "12 mm") for seed in "123"],
+                    [{"speed": (mean, 0.1), **TWO} for mean in (1, 2, 4)] + [{"speed": (3, 0.1), **TWO}, {"speed": (3, 0.1)}, {"speed": (3, 0.1), **TWO}])
+assert [(row["case"], row["key"], row["n"]) for row in rows] == [("r", "8 mm", "3"), ("r", "12 mm", "3")] and "seed" not in rows[0], rows
+assert math.isclose(float(rows[0]["speed_mean"]), 7 / 3) and math.isclose(float(rows[0]["speed_half"]), 4.302652729 * math.sqrt(7) / 3, rel_tol=1e-8), rows
+assert float(rows[1]["speed_mean"]) == 3 and float(rows[1]["speed_half"]) == 0 and float(rows[0]["mass_mean"]) == 5, rows
+assert rows[1]["mass_mean"] == rows[1]["mass_half"] == "", "a run of this point has no mass"
+assert "<!-- bars: 95 % interval over 3 seeds -->" in svg, "what are the bars?"
+# the chart has the same numbers: heights of the first bar over the distance of both means
+bars = [re.findall(r"[ML] ([-0-9.]+) ([-0-9.]+)", d) for d in re.findall(r'<path d="([^"]*)"[^>]*style="fill: none; stroke: #0072b2', svg)]
+heights = [abs(float(ends[0][1]) - float(ends[-1][1])) for ends in bars if len(ends) == 2 and ends[0][0] == ends[-1][0]]
+climb = next(abs(float(ends[0][1]) - float(ends[-1][1])) for ends in bars if len(ends) == 2 and ends[0][0] != ends[-1][0])
+assert abs(max(heights) / climb - 2 * float(rows[0]["speed_half"]) / (3 - 7 / 3)) < 1e-3, (heights, climb, rows)
+# one seed has no half width over seeds; its bars are those within the run, and the chart says so
+svg, rows = made_of([{"key": "8 mm"}, {"key": "12 mm"}], [{"speed": (1, 0.1)}, {"speed": (2, 0.2)}])
+assert [(row["n"], row["speed_mean"], row["speed_half"]) for row in rows] == [("1", "1.0", ""), ("1", "2.0", "")], rows
+assert "<!-- bars: 95 % interval within the run -->" in svg, "what are the bars?"
+# seeds alone, and seeds as the first key
+svg, rows = made_of([{"seed": seed} for seed in "12"], [{"speed": (1, 0.1)}, {"speed": (3, 0.1)}])
+assert len(rows) == 1 and rows[0]["n"] == "2" and math.isclose(float(rows[0]["speed_half"]), 12.7062047, rel_tol=1e-7) and "band: over seeds" in svg, rows
+svg, rows = made_of([{"seed": seed, "key": value} for seed in "12" for value in "57"], [{"speed": (mean, None)} for mean in (1, 2, 3, 4)])
+assert [(row["key"], row["n"], row["speed_mean"]) for row in rows] == [("5", "2", "2.0"), ("7", "2", "3.0")] and "<!-- key -->" in svg, rows
+svg, rows = made_of([{"key": "10 mm", "seed": "1"}, {"key": "1 cm", "seed": "1"}, {"key": "1 cm", "seed": "2"}], [{"speed": (mean, None)} for mean in (1, 1, 2)])
+assert len(rows) == 1 and rows[0]["n"] == "2" and rows[0]["speed_mean"] == "1.5", ("one run, given twice, is one seed", rows)
 
 # the tables of symbols here and in the tools are the same
 source = UNITS.read_text()
