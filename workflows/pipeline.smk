@@ -7,6 +7,7 @@
 # and, where wanted,
 #
 #   STATISTICS  words for scree-post statistics, for instance "--from 2 --repose slope"; or such words for each run by its name
+#   PICTURE     words for scree-post picture, for instance "--colour population"
 #   PLOT        the quantity of the statistics that a sweep draws, for instance "angle_of_repose"
 #   PACK_INPUTS further files that the cases are made of: a list of all, or a list for each run by its name
 #   BESIDE      name -> (file of the case, words, files that it begins with): runs without statistics and report, which the cases begin with
@@ -332,4 +333,5 @@ rule report:
 rule picture:
     input: "{run}.run/run.json"
     output: "{run}.png"
-    shell: "scree-post picture {wildcards.run:q}.run -o {output:q}"
+    params: words=shlex.split(globals().get("PICTURE", ""))
+    shell: "scree-post picture {wildcards.run:q}.run -o {output:q} {params.words:q}"

@@ -49,6 +49,16 @@ case $4 in
     run mixer
     holds mixer/mixer.md "^| 60 rpm | 0.5 |  | 0\\.[0-9]* |"
     charts mixer/mixer
+    # both populations are seen, each in a colour of its own, warm and cold; walls are pale
+    /usr/bin/python3 - "$scratch/mixer/mixer-small.png" <<'PYTHON'
+import sys
+import matplotlib.image
+picture = matplotlib.image.imread(sys.argv[1])
+warmth = picture[..., 0] - picture[..., 2]
+shares = (warmth > 0.08).mean(), (warmth < -0.08).mean()
+assert min(shares) > 0.01, f"shares of the picture that are warm and cold: {shares}"
+PYTHON
+    if command -v ffmpeg >/dev/null; then there mixer/mixer-small.mp4; fi
     page mixer/mixer-small; resumes mixer/mixer-small ;;
   shear-box)
     run shear-box
