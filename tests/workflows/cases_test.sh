@@ -80,6 +80,9 @@ PYTHON
     # a quarter of a turn: both beds are on their way up
     holds wet-drum/wet-drum.md "^| none | 0.00 | 0 | 0 | [2-5]\\.[0-9]* | [1-9][0-9]\\.[0-9] +- "
     holds wet-drum/wet-drum.md "^| tension-144-volume-0.02 | 4\\.[01][0-9]* | 0\\.02 | 0\\.[0-9]* | [2-7]\\.[0-9]* | [1-9][0-9]\\.[0-9] +- "
+    # the bridges of the small bed hold it at any angle: no start is predicted
+    holds wet-drum/wet-drum.md "liquid over solid, by volume \\[%\\]"; holds wet-drum/wet-drum.md "^| tension-144-volume-0.02 | .* | none |$"
+    holds wet-drum/wet-drum.json '"predicted_start": null'; holds wet-drum/wet-drum.json '"predicted_start": [1-9]'
     charts wet-drum/wet-drum
     page wet-drum/tension-144-volume-0.02; resumes wet-drum/tension-144-volume-0.02 ;;
   ballast)

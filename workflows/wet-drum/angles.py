@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Angle of the bed in a turning drum against the Bond number of its liquid bridges. usage: angles.py TABLE.md CHART.svg CHART.png NAME ...
+"""Angle of the bed in a turning drum against the Bond number of its liquid bridges. usage: angles.py TABLE.md NUMBERS.json CHART.svg CHART.png NAME ...
 
 Angle of the bed: of the line from the axis to the centre of mass to the vertical, which is that of a flat surface; means over the frames from FROM
 turns on, with Student's interval over BLOCKS blocks of time. An avalanche starts at a maximum of this angle and ends at a minimum, where they are SWING or
@@ -25,9 +25,10 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [os.path.join(HERE, ".."), os.path.join(HERE, "..", "..", "post", "python")]
 import scree  # noqa: E402
 from run_record import case_of, record_of, si  # noqa: E402
+from prediction import predicted_start  # noqa: E402
 from scree.intervals import mean_interval  # noqa: E402
 
-TABLE, SVG, PNG, *NAMES = sys.argv[1:]
+TABLE, NUMBERS, SVG, PNG, *NAMES = sys.argv[1:]
 BLOCKS, FROM, SWING = 8, 0.5, 5.0   # -, turns before the flow is steady, degrees
 
 
@@ -127,18 +128,15 @@ if dry is None:
 for r in runs:
     r["start"], r["end"] = of_avalanches(r["starts"]), of_avalanches(r["ends"])
 zero = np.radians((dry["start"] or dry["theta"]).value)   # a short run has no avalanches
-friction = np.tan(zero)
 for r in runs:
-    predicted = zero
-    for _ in range(100):
-        predicted = np.arctan(friction * (1 + r["stress"] / np.cos(predicted)))
-    r["predicted"] = np.degrees(predicted)
+    predicted = predicted_start(zero, r["stress"])
+    r["predicted"] = None if predicted is None else np.degrees(predicted)
 
-lines = ["| liquid | Bond number | volume of a bridge [mm^3] | liquid over solid [%] | bridges or contacts of a ball | mean angle of the bed [degrees] | of its surface, by `scree-post` | avalanches | "
+lines = ["| liquid | Bond number | volume of a bridge [mm^3] | liquid over solid, by volume [%] | bridges or contacts of a ball | mean angle of the bed [degrees] | of its surface, by `scree-post` | avalanches | "
          "they start at [degrees] | they end at [degrees] | flowing layer h [balls] | p_c / (rho g h) | predicted start [degrees] |", "|---|---|---|---|---|---|---|---|---|---|---|---|---|"]
 for name, r in zip(NAMES, runs):
     lines.append(f"| {name if r['bond'] else 'none'} | {r['bond']:.2f} | {1e9 * r['volume']:g} | {100 * r['content']:.2g} | {r['neighbours']:.2f} | {r['theta'].value:.1f} +- {r['theta'].half:.1f} | "
-                 f"{surface_text(r['surface'])} | {len(r['starts'])} | {text(r['start'])} | {text(r['end'])} | {r['depth']:.1f} | {r['stress']:.2f} | {r['predicted']:.1f} |")
+                 f"{surface_text(r['surface'])} | {len(r['starts'])} | {text(r['start'])} | {text(r['end'])} | {r['depth']:.1f} | {r['stress']:.2f} | {'none' if r['predicted'] is None else format(r['predicted'], '.1f')} |")
 volumes = [r["volume"] for r in runs if r["bond"]]
 common = max(set(volumes), key=volumes.count) if volumes else None
 series = sorted((r for r in runs if not r["bond"] or r["volume"] == common), key=lambda r: r["bond"])
@@ -149,10 +147,21 @@ if len(started) > 2:
     steps = [f"{b.value - a.value:+.1f} +- {np.hypot(a.half, b.half):.1f}" for a, b in zip([r["start"] for r in started[:-1]], [r["start"] for r in started[1:]])]
     lines += ["", f"Growth of the angle at the start of avalanches from each Bond number to the next, bridges of {1e9 * common:g} mm^3 [degrees]: {', '.join(steps)}."]
     half = dry["start"].half
-    misses = [f"{r['start'].value - r['predicted']:+.1f} +- {np.hypot(r['start'].half, half):.1f} at {r['bond']:.2g}" for r in started if r["bond"]]
-    lines += ["", f"Measured less predicted [degrees]: {', '.join(misses)}."]
+    misses = [f"{r['start'].value - r['predicted']:+.1f} +- {np.hypot(r['start'].half, half):.1f} at {r['bond']:.2g}" for r in started if r["bond"] and r["predicted"] is not None]
+    lines += ["", f"Measured less predicted [degrees]: {', '.join(misses) or 'none'}."]
 with open(TABLE, "w", encoding="utf-8") as page:
     page.write("# Wet drum\n\n" + "\n".join(lines) + "\n")
+
+
+def entry(mean):
+    return {"mean": float(mean.value), "ci95": float(mean.half)} if mean else None
+
+
+with open(NUMBERS, "w", encoding="utf-8") as file:
+    json.dump({"units": "SI, angles in degrees", "runs": [
+        {"run": name, "bond_number": r["bond"], "bridge_volume": r["volume"], "liquid_over_solid_by_volume": float(r["content"]), "neighbours": r["neighbours"], "angle": entry(r["theta"]),
+         "avalanches": len(r["starts"]), "start": entry(r["start"]), "end": entry(r["end"]), "flowing_layer_in_balls": None if np.isnan(r["depth"]) else float(r["depth"]),
+         "bridge_pressure_over_weight": float(r["stress"]), "predicted_start": r["predicted"]} for name, r in zip(NAMES, runs)]}, file, indent=1)
 
 figure = plt.figure(figsize=(10, 7), layout="constrained")
 above, below = figure.subfigures(2, 1, height_ratios=[1, 1.1])
@@ -180,7 +189,7 @@ for axes, some, key, scale in ((left, series, "bond", 1), (right, others, "conte
     for quantity, mark, colour, label in (("start", "^", "#bc6c25", "avalanches start"), ("theta", "o", "#2a6f97", "mean"), ("end", "v", "#606c38", "avalanches end")):
         seen = [k for k, r in enumerate(some) if r[quantity]]
         axes.errorbar(at[seen], [some[k][quantity].value for k in seen], [some[k][quantity].half for k in seen], fmt=mark, color=colour, capsize=3, label=label)
-    axes.plot(at, [r["predicted"] for r in some], "--", color="0.4", label="start, predicted from the dry bed")
+    axes.plot(at, [np.nan if r["predicted"] is None else r["predicted"] for r in some], "--", color="0.4", label="start, predicted from the dry bed")
     axes.set(ylim=(15, 70))
 left.set(xlabel="Bond number", ylabel="angle of the bed [degrees]", title=f"Bridges of {1e9 * common:g} mm$^3$" if common else "Dry")
 left.legend(frameon=False, loc="upper left")
