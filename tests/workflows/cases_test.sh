@@ -65,7 +65,7 @@ PYTHON
     holds shear-box/shear-box.md "^| 40 kPa | [1-9][0-9.]* kPa | [1-9][0-9.]* kPa | \(>= [1-9][0-9.]* degrees, still rising at the end\|[1-9][0-9.]* degrees\) | [0-9.]* mm | [1-9][0-9.]* degrees | "
     holds shear-box/shear-box.json '"lid_stress": 40000.0,'; holds shear-box/shear-box.json '"is_still_rising": \(true\|false\)'
     charts shear-box/shear-box
-    page shear-box/shear-box-small; resumes shear-box/shear-box-small ;;
+    page shear-box/shear-box-small-40; resumes shear-box/shear-box-small-40 ;;
   cuboids)
     run cuboids
     # a tile lands on its square faces, a long bar does not; all boxes rest on a face

@@ -164,9 +164,15 @@ assert result.returncode == 2 and "did you mean 'threads'?" in result.stderr and
 for case, words, said in (
         ("repose", ["size=small", "replicas=2", "sweep=pairs.0.friction=0.2|0.6;time.duration=1 s|2 s", "plot=mass", "threads=2"], "time.duration=2 s"),
         ("own.toml", ["statistics=--from 1", "ranks=2", "minutes=3"], "--from 1"), ("calibrate", [*HEAP, "budget=60", "threads=2"], "calibration.md"),
-        ("calibrate", ["target=hopper/hopper-ball-13:discharge_rate=1+-1", HEAP[1], "size=small"], "calibration.md"), ("tube", ["frictions=0.1,0.2", "seeds=1,2"], "ball-0.2-2")):
+        ("calibrate", ["target=hopper/hopper-ball-13:discharge_rate=1+-1", HEAP[1], "size=small"], "calibration.md"), ("tube", ["frictions=0.1,0.2", "seeds=1,2"], "ball-0.2-2"),
+        ("shear-box", ["stresses=20,60"], "'walls.2.motion.servo.stress=60 kPa'"), ("shear-box", ["stresses=7.5", "size=small"], "shear-box-small-7.5.scene.h5")):
     result = run(case, "--dry-run", "--out", OUT, "--config", *words)
     assert result.returncode == 0 and said in result.stdout and not OUT.exists(), (case, words, result)
+
+# a list of stresses is refused before anything runs where one of them is none
+for words, says in (("stresses=20,abc", "'abc' found, expected stresses of the lid in kPa"), ("stresses=0", "'0' found"), ("stresses=20,40,20", "20 stands there twice")):
+    result = run("shear-box", "--dry-run", "--out", OUT, "--config", words)
+    assert result.returncode != 0 and says in result.stderr.splitlines()[-1], (words, result)
 
 # words of a calibration go to those of its cases that read them
 queue = points_queue.PointsQueue(1, ("ranks=1", "size=small"))
