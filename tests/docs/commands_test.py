@@ -19,7 +19,7 @@ GROUPS = {
     "tools": ["README.md", "mesher/README.md", "decomposer/README.md", "solver/README.md", "post/README.md", "post/STATISTICS.md"],
     "python": ["post/python/README.md"],
     "workflows": ["docs/results/distance-study.md", "docs/results/cases.md", *(f"workflows/{name}/README.md" for name in (
-        "ballast", "beam", "boulders", "brazilian", "calibrate", "coater", "column", "compression", "conveyor", "crater", "critical-state", "crush", "cuboids", "dice", "distance-study", "drum", "error", "flow-function", "fluidised", "granite", "granuheap", "heated-bed", "heated-drum", "hopper", "impact", "mill", "mixer", "peers", "press", "repose", "rockfall", "scaling", "screen", "shape-dial", "shear-box", "shear-flow", "silo", "stability", "sticky", "triaxial", "tube", "unbroken", "validation", "wet-drum", "work-precision"))],
+        "ballast", "beam", "boulders", "brazilian", "calibrate", "coater", "column", "compression", "conveyor", "crater", "critical-state", "crush", "cuboids", "dice", "distance-study", "drum", "error", "flow-function", "fluidised", "granite", "granuheap", "heated-bed", "heated-drum", "hopper", "impact", "mill", "mixer", "peers", "press", "repose", "rockfall", "scaling", "screen", "shape-dial", "shear-box", "shear-flow", "silo", "stability", "staples", "sticky", "triaxial", "tube", "unbroken", "validation", "wet-drum", "work-precision"))],
     "tests": ["docs/develop/testing.md", "tests/sanitizers/README.md", "tests/validation/README.md", "tests/metamorphic/README.md", *(f"tests/benchmarks/{name}/README.md" for name in (
         "broad_phase", "candidates", "distance", "leave_out", "peers", "plan", "steps"))],
 }

@@ -3,7 +3,7 @@
 # usage: cases_test.sh RUNNER BIN SCRATCH CASE    "--list" in place of RUNNER prints the cases
 set -euo pipefail
 cases=(hopper column repose drum conveyor triaxial critical-state compression shear-flow flow-function press mill screen sticky granuheap impact silo crater crush brazilian beam rockfall granite unbroken
-  shape-dial dice tube coater mixer shear-box wet-drum ballast cuboids heated-drum heated-bed fluidised drum-sweep)
+  shape-dial dice tube coater mixer shear-box wet-drum staples ballast cuboids heated-drum heated-bed fluidised drum-sweep)
 if [[ $1 == --list ]]; then printf '%s;' "${cases[@]}"; exit 0; fi
 runner=$1; export SCREE_BIN=$2; scratch=$3/$4
 rm -rf "$scratch"; mkdir -p "$scratch"
@@ -86,6 +86,13 @@ PYTHON
     holds wet-drum/wet-drum.json '"predicted_start": null'; holds wet-drum/wet-drum.json '"predicted_start": [1-9]'
     charts wet-drum/wet-drum
     page wet-drum/tension-144-volume-0.02; resumes wet-drum/tension-144-volume-0.02 ;;
+  staples)
+    run staples
+    # half a second: both columns go down, no staple is lost, and contacts stay shallow
+    holds staples/staples.md "^| arm-0\.1-gamma-3-1 | 3\.00 | .* | 0\.[3-9][0-9] | 0 | 0\.0[0-9]*, 0\.[0-3][0-9]* | [0-9.]*e-0[2-9] |"
+    holds staples/staples.md "^| arm-0\.4-gamma-3-1 | 3\.00 | .* | 0\.[3-9][0-9] | 0 | 0\.0[0-9]*, 0\.[0-3][0-9]* | [0-9.]*e-0[2-9] |"
+    there staples/staples.json; charts staples/staples
+    page staples/arm-0.4-gamma-3-1; resumes staples/arm-0.4-gamma-3-1 ;;
   ballast)
     run ballast
     # the load's work, the height that is lost and the stored energy make up what log.csv has as dissipated

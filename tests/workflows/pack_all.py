@@ -16,7 +16,7 @@ import sys
 RUNNER, BIN, SCRATCH = (pathlib.Path(word).resolve() for word in sys.argv[1:4])
 ASKED = sys.argv[4:]   # none: all of them
 ENVIRONMENT = os.environ | {"SCREE_BIN": str(BIN), "PATH": f"{BIN}:{os.environ['PATH']}"}
-FROM_RUNS = ("crater/case.toml", "impact/case.toml", "silo/case.toml", "sticky/unconfined.toml")
+FROM_RUNS = ("crater/case.toml", "impact/case.toml", "silo/case.toml", "staples/case.toml", "staples/stand.toml", "sticky/unconfined.toml")
 WITHOUT_CASES = ("distance-study", "peers", "scaling", "stability", "validation", "work-precision")   # scaling: a bed that it tiles
 PIECES = 8
 
@@ -30,7 +30,7 @@ def commands_of(name, folder):
         words += ["--config", f"points={folder / 'points.json'}"]
     text = subprocess.run(words, env=ENVIRONMENT, text=True, capture_output=True, check=True).stdout
     lines = [part.strip() for line in text.splitlines() for part in line.split(" && ")]
-    steps = [line for line in lines if re.match(r"(scree-mesher|cp|scree-decomposer pack) ", line) or re.match(r"/usr/bin/python3 \S*(slope|deck|frames|throws)\.py", line)]
+    steps = [line for line in lines if re.match(r"(scree-mesher|cp|scree-decomposer pack) ", line) or re.match(r"/usr/bin/python3 \S*(slope|deck|frames|throws|staple)\.py", line)]
     return sorted(dict.fromkeys(steps), key=lambda line: line.startswith("scree-decomposer"))
 
 
