@@ -44,7 +44,8 @@ HWY_NOINLINE void gaps_in_lanes(const BallScene& scene, const BallPairs& pairs, 
   pairs.with_walls ? gaps_of<true>(scene, pairs, gap) : gaps_of<false>(scene, pairs, gap);
 }
 
-HWY_INLINE OfPair load_pair(const BallConstants& c, std::size_t k) {
+HWY_INLINE OfPair load_pair(const BallConstants& c, std::size_t place) {
+  const std::size_t k = place & c.places;
   return {Lane::load(&c.radius_a[k]), Lane::load(&c.radius_b[k]), Lane::load(&c.radius[k]),       Lane::load(&c.stiffness[k]),
           Lane::load(&c.mobility[k]), Lane::load(&c.mass[k]),     Lane::load(&c.inverse_limit[k])};
 }
@@ -82,6 +83,7 @@ enum class Rubs { no, slides, slides_and_rolls };
 struct LanesFound {
   Mask<double> fits;
   Lane ratio;  ///< overlap over maximum overlap
+  bool all_fit;
 };
 
 /// How much of the push damping takes away or adds.
@@ -203,14 +205,17 @@ HWY_INLINE LanesFound forces_in_lanes(const BallScene& scene, double dt, const B
     store_fours(select(fits, spring.force, before), select(fits, spring.stiffness, stiffness), k, springs.spring);
   }
   const Lane ratio = m.overlap * pair.inverse_limit;
-  select(fits, zero, one).store(out.left.data() + k);
-  gap.store(out.gap.data() + k);
+  const bool all_fit = !any(!fits);
+  if (!kBlock || !all_fit) {
+    select(fits, zero, one).store(out.left.data() + k);
+    gap.store(out.gap.data() + k);
+  }
   BallSlot* const slots = out.slots + k;
   constexpr std::size_t kStride = sizeof(BallSlot) / sizeof(double);
   store_rows(push * m.n + lost, energy, &slots->force.x, kStride);
   store_rows(across, depth, &slots->across.x, kStride);
   store_rows(lost, ratio, &slots->lost.x, kStride);
-  return {fits, ratio};
+  return {fits, ratio, all_fit};
 }
 
 template <LaneLawKind kKind, Rubs kRubs, bool kWall, bool kBlock>
@@ -222,7 +227,9 @@ HWY_NOINLINE BallSummary forces_of(const BallScene& scene, double dt, const Ball
   for (std::size_t k = 0; k < pairs.count; k += kLanes) {
     const LanesFound found = forces_in_lanes<kKind, kRubs, kWall, kBlock>(scene, dt, pairs, constants, springs, k, out);
     largest = select(found.fits & (largest < found.ratio), found.ratio, largest);
-    summary.some_left = summary.some_left || any(!found.fits);
+    if (kBlock && found.all_fit) continue;
+    summary.some_left = summary.some_left || !found.all_fit;
+    summary.written |= (~std::uint64_t{0} >> (64 - kLanes)) << k;
   }
   alignas(64) double of_lanes[kLanes];
   largest.store(of_lanes);

@@ -193,18 +193,19 @@ class WallRows {
 template <class Law>
 class LawRows {
  public:
-  HWY_INLINE LawRows(const std::vector<Law>& laws, const std::int64_t* rows)
-      : laws_(laws.data()), is_one_(laws.size() == 1), first_(hn::ShiftLeft<kShift>(hn::LoadU(hn::RebindToSigned<Tag<double>>(), rows))) {}
+  HWY_INLINE LawRows(const std::vector<Law>& laws, const std::int64_t* rows) : laws_(laws.data()), rows_(rows), is_one_(laws.size() == 1) {}
   HWY_INLINE Lane at(double Law::*number) const {
-    return is_one_ ? Lane(laws_->*number) : Lane(hn::GatherIndex(Tag<double>(), &(laws_->*number), first_));
+    if (is_one_) return Lane(laws_->*number);
+    const auto first = hn::ShiftLeft<kShift>(hn::LoadU(hn::RebindToSigned<Tag<double>>(), rows_));  // not read where all share one
+    return {hn::GatherIndex(Tag<double>(), &(laws_->*number), first)};
   }
 
  private:
   static constexpr int kShift = sizeof(Law) == 8 * sizeof(double) ? 3 : 1;
   static_assert(sizeof(Law) == (std::size_t{1} << kShift) * sizeof(double));
   const Law* laws_;
+  const std::int64_t* rows_;
   bool is_one_;
-  hn::Vec<hn::RebindToSigned<Tag<double>>> first_;
 };
 
 /// A vector and a number of each lane as rows of `stride` numbers. What StoreInterleaved4 does, but for the gaps between rows.

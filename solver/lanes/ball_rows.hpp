@@ -72,6 +72,8 @@ struct BallConstants {
   alignas(64) std::array<double, kBallPairs> stiffness;           ///< Hertz: push over overlap^(3/2) [N/m^(3/2)]; linear: k [N/m]
   alignas(64) std::array<double, kBallPairs> mobility, mass;      ///< 1/m* [1/kg], m* [kg]
   alignas(64) std::array<double, kBallPairs> inverse_limit;       ///< 1 over the maximum overlap [1/m]
+  /// Places that count: 0 where all pairs have the same numbers, so that the first of them, in seven lines of the cache, stand for all.
+  std::size_t places = ~std::size_t{0};
 };
 
 /// What a pair does to its bodies, world axes, next to each other: bodies read pairs in an order of their own. Torques of balls are
@@ -95,6 +97,8 @@ struct BallForces {
 
 /// What some pairs have in common.
 struct BallSummary {
+  /// Bit n: pair n has its `left` and `gap`. Of a block, vectors without a pair that is left do not write them: `left` counts as 0 there.
+  std::uint64_t written = 0;
   bool some_left = false;  ///< see BallForces::left
   double largest = 0;      ///< overlap over maximum overlap, of those that are not left
 };

@@ -1,6 +1,7 @@
 #include "solver/neighbours/ball_blocks.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include "solver/features/pair_view.hpp"
 #include "solver/lanes/ball_forces.hpp"
@@ -114,7 +115,15 @@ bool BallBlocks::append(std::size_t of, std::int32_t k, const BallScene& scene, 
 void BallBlocks::complete(std::int32_t n, const BallScene& scene) {
   BallBlock& block = *blocks_[static_cast<std::size_t>(n)];
   repeat_last_pair(block.pairs, block.springs);
-  find_ball_constants(scene, block.pairs, block.springs, block.constants);
+  BallConstants& c = block.constants;
+  find_ball_constants(scene, block.pairs, block.springs, c);
+  const auto same = [&](const std::array<double, kBallPairs>& of_pairs) {
+    return std::all_of(of_pairs.begin(), of_pairs.begin() + static_cast<std::ptrdiff_t>(block.pairs.count),
+                       [&](double x) { return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(of_pairs[0]); });
+  };
+  const bool is_one = same(c.radius_a) && same(c.radius_b) && same(c.radius) && same(c.stiffness) && same(c.mobility) && same(c.mass) &&
+                      same(c.inverse_limit);
+  c.places = is_one ? 0 : ~std::size_t{0};
 }
 
 void BallBlocks::fill(const BallScene& scene, const std::array<std::span<const std::int32_t>, kPairClasses>& lists,

@@ -197,9 +197,10 @@ void BallEvaluation::compute(BallBlock& block) {
   if (!found.some_left && block.all_touch) return;
   block.all_touch = true;
   for (std::size_t n = 0; n < block.pairs.count; ++n) {
-    if (block.index[n] < 0 || (block.forces.left[n] != 0 && block.forces.gap[n] >= balls_.scene().laws.margin))
+    const bool is_left = (found.written >> n & 1) != 0 && block.forces.left[n] != 0;
+    if (block.index[n] < 0 || (is_left && block.forces.gap[n] >= balls_.scene().laws.margin))
       block.part(n);
-    else if (block.forces.left[n] == 0)
+    else if (!is_left)
       block.touches[n] = 1;
     else
       leave(block, n);

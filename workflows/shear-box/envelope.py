@@ -24,7 +24,7 @@ from scree.intervals import student_quantile  # noqa: E402
 
 COLOURS = ["#2a6f97", "#bc6c25", "#606c38", "#7b2d8b"]
 WINDOW, END, LEAST = 1e-3, 2e-3, 2.5e-3   # of the means, of the end, and of a test that has both [m of way]
-RISING = "still rising at the end"
+RISING = "largest at the end"
 COLUMNS = ["stress of the lid", "normal stress on the plane", "shear stress on the plane", "friction angle, largest mean over 1 mm", "middle of this mean at a way of",
            "mean of the last 2 mm", "lid, at the end"]
 
@@ -68,7 +68,7 @@ def strength(way, shear, normal):
     top, end = int((means / loads).argmax()), way > way[-1] - END
     middle = float(way[top] + WINDOW / 2)
     return {"normal_stress": float(loads[top]), "shear_stress": float(means[top]), "angle": angle_of(means[top], loads[top]), "way": middle,
-            "is_still_rising": bool(middle > way[-1] - WINDOW), "angle_at_end": angle_of(shear[end].mean(), normal[end].mean())}
+            "is_largest_at_end": bool(middle > way[-1] - WINDOW), "angle_at_end": angle_of(shear[end].mean(), normal[end].mean())}
 
 
 def line_through(strengths):
@@ -82,13 +82,13 @@ def line_through(strengths):
     quantile = student_quantile(len(x) - 1)
     of_slope, of_cohesion = quantile * np.sqrt(scatter / centred), quantile * np.sqrt(scatter * (1 / len(x) + x.mean() ** 2 / centred))
     return {"angle": float(np.degrees(np.arctan(slope))), "angle_ci95": float(np.degrees(of_slope) / (1 + slope * slope)), "slope": float(slope),
-            "cohesion": float(cohesion), "cohesion_ci95": float(of_cohesion), "lower_bounds": sum(s["is_still_rising"] for s in strengths)}
+            "cohesion": float(cohesion), "cohesion_ci95": float(of_cohesion), "lower_bounds": sum(s["is_largest_at_end"] for s in strengths)}
 
 
 def row(label, r, s):
     if s is None:
         return f"| {label} | | sheared by {1e3 * r['way'][-1]:.1f} mm only | | | | |"
-    angle = f">= {s['angle']:.1f} degrees, {RISING}" if s["is_still_rising"] else f"{s['angle']:.1f} degrees"
+    angle = f">= {s['angle']:.1f} degrees, {RISING}" if s["is_largest_at_end"] else f"{s['angle']:.1f} degrees"
     return (f"| {label} | {1e-3 * s['normal_stress']:.1f} kPa | {1e-3 * s['shear_stress']:.1f} kPa | {angle} | {1e3 * s['way']:.1f} mm | {s['angle_at_end']:.1f} degrees | "
             f"{1e3 * r['rises'][-1]:+.2f} mm |")
 
@@ -104,11 +104,11 @@ def main():
         label = f"{1e-3 * r['asked']:g} kPa"
         lines.append(row(label, r, s))
         tests.append({"run": name, "lid_stress": r["asked"], "sheared_by": float(r["way"][-1]), "lid_rise": float(r["rises"][-1]), "strength": s})
-        left.plot(1e3 * r["way"], 1e-3 * r["shear"], color=colour, linewidth=0.9, label=label)
+        left.plot(1e3 * r["way"], r["shear"] / r["normal"], color=colour, linewidth=0.9, label=label)
         if s is None:
             continue
-        right.plot(1e-3 * s["normal_stress"], 1e-3 * s["shear_stress"], "^" if s["is_still_rising"] else "o", color=colour,
-                   markerfacecolor="none" if s["is_still_rising"] else colour, label=f"{label}, {RISING}" if s["is_still_rising"] else label)
+        right.plot(1e-3 * s["normal_stress"], 1e-3 * s["shear_stress"], "^" if s["is_largest_at_end"] else "o", color=colour,
+                   markerfacecolor="none" if s["is_largest_at_end"] else colour, label=f"{label}, {RISING}" if s["is_largest_at_end"] else label)
     found = [test["strength"] for test in tests if test["strength"]]
     line = line_through(found)
     if line:
@@ -116,7 +116,7 @@ def main():
                       f"{1e-3 * line['cohesion_ci95']:.1f} kPa" + (f"; {line['lower_bounds']} of {len(found)} strengths are lower bounds" if line["lower_bounds"] else "") + "."]
         reach = np.array([0, 1.1 * max(s["normal_stress"] for s in found)])
         right.plot(1e-3 * reach, 1e-3 * (line["cohesion"] + line["slope"] * reach), color="0.4", linestyle="--", linewidth=0.9)
-    left.set(xlabel="way of the lower half [mm]", ylabel="shear stress [kPa]")
+    left.set(xlabel="way of the lower half [mm]", ylabel="shear stress / normal stress")
     right.set(xlabel="normal stress on the plane [kPa]", ylabel="shear stress, largest mean [kPa]", xlim=(0, None), ylim=(0, None))
     for axes in (left, right):
         if axes.get_legend_handles_labels()[0]:
