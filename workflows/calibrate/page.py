@@ -67,7 +67,9 @@ def verdicts(settings, numbers, units, failed):
                                       "deviations off where they are left out. Intervals are too narrow; more runs (budget=) or narrower bounds help."))
         if answer["noise"] > answer["measured_ci95"]:
             found.append(("doubtful", f"Single runs scatter by {number(answer['noise'], 2)} {unit} (standard deviation over seeds) in {answer['target']}, more than the measured "
-                                      f"+- {number(answer['measured_ci95'], 2)}. That holds only if the measurement is the mean of several experiments, or of one that is larger than the case."))
+                                      f"+- {number(answer['measured_ci95'], 2)}. That holds only if the measurement is the mean of several experiments, or of one that is larger than the case. "
+                                      f"The scatter goes about with one over the root of the number of grains: {number((answer['noise'] / answer['measured_ci95']) ** 2, 2)} times as many "
+                                      "grains in the case scatter by as much as was measured."))
     for key in numbers["keys"]:
         if key["share_of_bounds"] > OPEN:
             found.append(("doubtful", f"The answers do not fix {key['key']}: its interval takes {100 * key['share_of_bounds']:.0f} % of the bounds."))
