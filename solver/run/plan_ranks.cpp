@@ -47,7 +47,7 @@ StepOnRanks step_on_ranks(const BodiesToCut& bodies, double body, int ranks) {
 }
 
 std::string step_text(double seconds) {
-  constexpr double kMicroseconds = 0.01;  // below it, whose numbers are easily compared
+  constexpr double kMicroseconds = 1e-3;
   return seconds < kMicroseconds ? fmt::format("{:.3g} us", 1e6 * seconds)
          : seconds < 1           ? fmt::format("{:.3g} ms", 1e3 * seconds)
                                  : fmt::format("{:.3g} s", seconds);

@@ -36,7 +36,7 @@ struct StepOnRanks {
 /// Limits: bodies are cut where they are now; images through periodic sides, output and noise of the network are not counted.
 StepOnRanks step_on_ranks(const BodiesToCut& bodies, double body, int ranks);
 
-/// The time of a step: "747 us", from 10 ms "2.5 s".
+/// The time of a step: "747 us", "12.7 ms", "2.5 s".
 std::string step_text(double seconds);
 
 /// For the user.   in   steps   of the run   spread   how many times longer or shorter it may be; 1: not said   memory   of a rank
