@@ -14,14 +14,17 @@ import json
 import math
 import re
 import sys
+from pathlib import Path
 
 import matplotlib
 matplotlib.use("svg")
 import matplotlib.pyplot as plt  # noqa: E402
-from scipy.stats import t as student  # noqa: E402
 
 from run_record import quantity_of, record_of  # noqa: E402  beside this script
 from sweep_quantity import Wrong, all_numbers, entry_of, statistics_of  # noqa: E402
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "post" / "python"))
+from scree.intervals import student_quantile  # noqa: E402
 
 POINTS, QUANTITY, TABLE, MEANS, *CHARTS = json.loads(sys.argv[1]), *sys.argv[2:]
 MARKERS = "osD^vP*X"
@@ -60,7 +63,7 @@ def over_seeds(names, quantity):
     mean, n = math.fsum(samples) / len(samples), len(samples)
     if n == 1:
         return mean, None
-    return mean, student.ppf(0.975, n - 1) * math.sqrt(math.fsum((x - mean) ** 2 for x in samples) / (n - 1) / n)
+    return mean, student_quantile(n) * math.sqrt(math.fsum((x - mean) ** 2 for x in samples) / (n - 1) / n)
 
 
 def read(name):

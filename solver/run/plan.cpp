@@ -17,6 +17,7 @@
 #include "solver/effects/sleep/sleep.hpp"
 #include "solver/laws/restitution.hpp"
 #include "solver/run/inflow.hpp"
+#include "solver/run/plan_memory.hpp"
 #include "solver/run/run.hpp"
 
 namespace scree {
@@ -330,8 +331,8 @@ void Plan::add_numbers() {
   text_ += fmt::format("                critical step of that contact {}\n", format_quantity(step.critical(), Dimension::time));
   text_ += fmt::format("  steps         {:.0f} for {}\n", steps, format_quantity(settings_.duration, Dimension::time));
   text_ += fmt::format("  memory        {} bytes per body, {} per body pair, shapes {:.1f} kB, candidates now {:.1f} kB in {} pairs\n",
-                       sizeof(ParticleRecord) + 8 * sizeof(Vec3), sizeof(BodyPair) + sizeof(PairResult),
-                       static_cast<double>(count_.shape_bytes) / 1e3, static_cast<double>(candidate_bytes) / 1e3, pairs);
+                       kMemoryOfBody, sizeof(BodyPair) + sizeof(PairResult), static_cast<double>(count_.shape_bytes) / 1e3,
+                       static_cast<double>(candidate_bytes) / 1e3, pairs);
   double most = static_cast<double>(count_.bodies);
   for (const Inlet& inlet : source_.inlets) most += inflow_by(inlet, mean_mass(source_, inlet), settings_.duration);
   if (!source_.inlets.empty()) {

@@ -42,8 +42,8 @@ double usual_memory_of_pairs(bool meshes) { return meshes ? kPairsOfMesh : kPair
 MemoryNow memory_now(const mpi::Communicator& comm, const RunState& s) { return {comm.sum(resident()), comm.sum(memory_of_pairs(s))}; }
 
 double most_memory(const MemoryNow& now, int ranks, double bodies, double arriving, double in_bed) {
-  constexpr double kBody = sizeof(ParticleRecord) + 8 * sizeof(Vec3);
-  return now.all + kRankWhileFiles * ranks + kBodyWhileFiles * bodies + kBody * arriving + std::max(0.0, in_bed * bodies - now.of_pairs);
+  return now.all + kRankWhileFiles * ranks + kBodyWhileFiles * bodies + kMemoryOfBody * arriving +
+         std::max(0.0, in_bed * bodies - now.of_pairs);
 }
 
 double memory_of_rank(double most, const StepOnRanks& step) {

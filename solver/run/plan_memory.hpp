@@ -1,6 +1,7 @@
 // The memory that a run will take, for --plan.
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "core/base/mpi_session.hpp"
@@ -12,6 +13,8 @@ namespace scree {
 /// "54.8 MB".
 std::string bytes_text(double bytes);
 
+/// What a body holds, its pairs apart [bytes].
+inline constexpr std::size_t kMemoryOfBody = sizeof(ParticleRecord) + 8 * sizeof(Vec3);
 /// What pairs and their candidates hold [bytes].
 double memory_of_pairs(const RunState& s);
 /// The same for each body in a bed, where no sample of it was settled (bed_sample.hpp).

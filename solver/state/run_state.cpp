@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <memory>
-#include <span>
 
 #include "solver/bodies/body_passes.hpp"
 
