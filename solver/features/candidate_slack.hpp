@@ -53,12 +53,17 @@ inline float slack_on_way(double way, double lacks, double size) {
 /// On a convex surface it must come within the margin and be the nearest: distances change by no more than the motion, so that a triangle
 /// that is further away than another by more than twice the motion is not. On another surface every triangle within margin + sharing of a
 /// vertex that touches may hold a minimum of the distance or hide one (features/surface_minima.hpp).
-/// in   own, nearest   distance of the triangle, and of the nearest of those that were looked at [m]
+/// in   own       distance of the triangle [m]
+/// in   nearest   on a convex surface the distance of another triangle, better of a near one; else no triangle of the vertex may be
+///                nearer, of those that wait neither: distance_of_waiting() [m]
 inline double lack_of(const SolverShape& surface, double own, double nearest, double margin, double sharing) {
-  if (surface.is_convex) return std::max(own - margin, 0.5 * (own - nearest));
-  // triangles that were not looked at are further away than margin + sharing, and may be the nearest when the vertex begins to touch
-  return std::max(own - margin - sharing, std::min(nearest, margin + sharing) - margin);
+  return surface.is_convex ? std::max(own - margin, 0.5 * (own - nearest)) : std::max(own - margin - sharing, nearest - margin);
 }
+
+/// No triangle that waits is nearer than this [m]: whatever it waits for, it is not within the margin before. Triangles that are not listed
+/// do not come within the margin while the lists last.
+/// in   slack   not used up yet [m]
+inline double distance_of_waiting(double slack, double way, double margin) { return margin + (slack - way); }
 
 /// Two edges of a candidate, A frame, and where the lines through them are nearest to each other.
 /// Letters of docs/reference/contact-law.md section 3.2: edge vectors u, v at pa, pb, parameters s, t, r0 = pa - pb.

@@ -52,9 +52,9 @@ class CornerSide {
     std::size_t nearest = 0;
     for (std::size_t n = 1; n < end - begin; ++n)
       if (looks.squared(n) < looks.squared(nearest)) nearest = n;
-    const double distance = looks.distance(nearest);
+    const double distance = looks.distance(nearest), of_all = nearest_of_all(corner, begin, end, surface_scale_ * distance, margin, lists);
     for (std::size_t n = 0; n < end - begin; ++n) {
-      const double lacks = lack_of(surface_, surface_scale_ * looks.distance(n), surface_scale_ * distance, margin, sharing);
+      const double lacks = lack_of(surface_, surface_scale_ * looks.distance(n), of_all, margin, sharing);
       lists.slacks[static_cast<std::size_t>(due_[begin + n])] = slack_on_way(lists.way, lacks, size);
     }
     const double reach = margin / surface_scale_;
@@ -95,6 +95,20 @@ class CornerSide {
     f.x = kOfA ? pose_.a_from_b(middle) : middle;
     f.n = kOfA ? pose_.rotation * direction : -direction;
     return f;
+  }
+  /// No triangle of a corner is nearer than this [m].   in   looked   distance of the nearest of those that are due [m]
+  double nearest_of_all(std::int32_t corner, std::size_t begin, std::size_t end, double looked, double margin,
+                        const CandidateLists& lists) const {
+    // a convex surface asks for any near one, and once the corner touches, those that wait are not the nearest
+    if (surface_.is_convex || looked < margin) return looked;
+    double nearest = looked;
+    const auto place = [&](std::size_t n) { return static_cast<std::size_t>(due_[n]) - first_; };
+    const auto see = [&](std::size_t c) { nearest = std::min(nearest, distance_of_waiting(lists.slacks[first_ + c], lists.way, margin)); };
+    for (std::size_t c = place(begin); c > 0 && candidates_[c - 1].corner == corner; --c) see(c - 1);
+    for (std::size_t n = begin + 1; n < end; ++n)
+      for (std::size_t c = place(n - 1) + 1; c < place(n); ++c) see(c);
+    for (std::size_t c = place(end - 1) + 1; c < candidates_.size() && candidates_[c].corner == corner; ++c) see(c);
+    return nearest;
   }
   const CornerCandidate& candidate(std::size_t n) const { return candidates_[static_cast<std::size_t>(due_[n]) - first_]; }
 
