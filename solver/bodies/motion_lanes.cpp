@@ -3,9 +3,7 @@
 #include "solver/bodies/motion_lanes.hpp"
 
 #include <cstdint>
-#include <limits>
 
-#include "solver/bodies/sine_cosine.hpp"
 #include "solver/built_with.hpp"
 
 #undef HWY_TARGET_INCLUDE
@@ -13,41 +11,30 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "solver/bodies/lanes-inl.hpp"
+#include "solver/bodies/motion_lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace scree::HWY_NAMESPACE {
 
-HWY_INLINE Lane3 load(const Vec3* rows) {
-  Lane3 v;
-  hn::LoadInterleaved3(Tag<double>(), &rows->x, v.x.v, v.y.v, v.z.v);
-  return v;
-}
-HWY_INLINE LaneQuat load(const Quat* rows) {
-  LaneQuat q;
-  hn::LoadInterleaved4(Tag<double>(), &rows->w, q.w.v, q.x.v, q.y.v, q.z.v);
-  return q;
-}
-HWY_INLINE void store(const Lane3& v, Vec3* rows) { hn::StoreInterleaved3(v.x.v, v.y.v, v.z.v, Tag<double>(), &rows->x); }
-HWY_INLINE void store(const LaneQuat& q, Quat* rows) { hn::StoreInterleaved4(q.w.v, q.x.v, q.y.v, q.z.v, Tag<double>(), &rows->w); }
-
-HWY_INLINE LaneQuat select(Mask<double> m, const LaneQuat& yes, const LaneQuat& no) {
-  return {select(m, yes.w, no.w), select(m, yes.x, no.x), select(m, yes.y, no.y), select(m, yes.z, no.z)};
-}
-
-/// As advance() of motion.cpp.
-HWY_INLINE void advance(Lane& x, Lane& remainder, Lane way) {
-  way = way + remainder;
-  const Lane sum = x + way, added = sum - x;
-  remainder = (x - (sum - added)) + (way - added);
-  x = sum;
-}
-HWY_INLINE void advance(LaneQuat& q, LaneQuat& remainder, const LaneQuat& way) {
-  advance(q.w, remainder.w, way.w);
-  advance(q.x, remainder.x, way.x);
-  advance(q.y, remainder.y, way.y);
-  advance(q.z, remainder.z, way.z);
-}
+/// Which of the bodies in the lanes have equal moments. Asked of all lanes at once, since most vectors have bodies of one kind.
+struct Balls {
+  const std::uint8_t* isotropic;
+  bool all = true, some = false;
+  HWY_INLINE explicit Balls(const std::uint8_t* flags) : isotropic(flags) {
+    std::uint8_t both = 0xff, either = 0;
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      both &= flags[k];
+      either |= flags[k];
+    }
+    all = both != 0;
+    some = either != 0;
+  }
+  HWY_INLINE Mask<double> lanes() const {
+    alignas(64) double numbers[kLanes];
+    for (std::size_t k = 0; k < kLanes; ++k) numbers[k] = isotropic[k];
+    return Lane::load(numbers) > Lane(0.0);
+  }
+};
 
 HWY_NOINLINE std::size_t kick_rows(ParticleSet& p, double h, std::size_t begin, std::size_t end) {
   const Lane zero(0.0), time(h);
@@ -60,56 +47,31 @@ HWY_NOINLINE std::size_t kick_rows(ParticleSet& p, double h, std::size_t begin, 
     if constexpr (!built_with::kRotation) continue;
     const Lane3 by = load(&p.inverse_inertia[i]), L = load(&p.L[i]), w = load(&p.w[i]);
     const auto turns = by.x > zero;
-    const LaneQuat q = load(&p.q[i]);
-    const Lane3 next = L + time * load(&p.torque[i]), l = rotate_inverse(q, next);
+    const Lane3 next = L + time * load(&p.torque[i]);
     store(select(turns, next, L), &p.L[i]);
-    store(select(turns, rotate(q, Lane3{l.x * by.x, l.y * by.y, l.z * by.z}), w), &p.w[i]);
+    const Balls balls(&p.isotropic[i]);
+    Lane3 spin = by.x * next;  // where the moments are equal
+    if (!balls.all) {
+      const LaneQuat q = load(&p.q[i]);
+      const Lane3 l = rotate_inverse(q, next), turned = rotate(q, Lane3{l.x * by.x, l.y * by.y, l.z * by.z});
+      spin = balls.some ? select(balls.lanes(), spin, turned) : turned;
+    }
+    store(select(turns, spin, w), &p.w[i]);
   }
   return i;
 }
 
-/// As sine_and_cosine() of one angle.
-HWY_INLINE void sine_and_cosine(Lane a, Lane& sine, Lane& cosine) {
-  if (!any(abs(a) > Lane(kSmallAngle))) {
-    const Lane aa = a * a, one(1.0);
-    sine = a - a * aa * (Lane(1.0 / 6) - aa * (Lane(1.0 / 120) - aa * (Lane(1.0 / 5040) - aa * Lane(1.0 / 362880))));
-    cosine = one - aa * (Lane(0.5) - aa * (Lane(1.0 / 24) - aa * (Lane(1.0 / 720) - aa * Lane(1.0 / 40320))));
-    return;
-  }
-  alignas(64) double angle[kLanes], sines[kLanes], cosines[kLanes];
-  a.store(angle);
-  for (std::size_t k = 0; k < kLanes; ++k) scree::sine_and_cosine(angle[k], sines[k], cosines[k]);
-  sine = Lane::load(sines);
-  cosine = Lane::load(cosines);
-}
-
-/// As turn_in_body() and turn_in_world() of motion.cpp: q after what is added to it, a unit quaternion.
-HWY_INLINE void add_turn(LaneQuat& q, LaneQuat& remainder, const LaneQuat& way) {
-  constexpr double kUnitError = 8 * std::numeric_limits<double>::epsilon();  // as in keep_unit() of motion.cpp
-  advance(q, remainder, way);
-  const Lane excess = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - Lane(1.0), by = Lane(-0.5) * excess;
-  const auto is_off = abs(excess) > Lane(kUnitError);
-  if (!any(is_off)) return;
-  LaneQuat unit = q, unit_remainder = remainder;
-  advance(unit, unit_remainder, LaneQuat{by * q.w, by * q.x, by * q.y, by * q.z});
-  q = select(is_off, unit, q);
-  remainder = select(is_off, unit_remainder, remainder);
-}
-
 /// Bodies whose moments are equal, the lanes of `which`: one exact rotation about w.
 HWY_INLINE void turn_rows(ParticleSet& p, double kick_time, double h, std::size_t i, Mask<double> which) {
-  const Lane zero(0.0), half(0.5), one(1.0);
+  const Lane zero(0.0);
   const Lane rate_of_w = load(&p.inverse_inertia[i]).x;
   const Lane3 L = load(&p.L[i]), next = L + Lane(kick_time) * load(&p.torque[i]), w = rate_of_w * next;
   const auto turns = which & (rate_of_w > zero);
   const Lane rate = length(w);
   const auto rotates = turns & (rate > zero);
-  Lane s, c;
-  sine_and_cosine(half * (rate * Lane(h)), s, c);
-  const Lane3 axis = (one / rate) * w;
   const LaneQuat before = load(&p.q[i]), remainder_before = load(&p.q_remainder[i]);
   LaneQuat q = before, remainder = remainder_before;
-  add_turn(q, remainder, LaneQuat{c - one, s * axis.x, s * axis.y, s * axis.z} * q);
+  turn_about(w, rate, Lane(h), q, remainder);
   if (!any(!rotates)) {  // nearly always
     store(next, &p.L[i]);
     store(w, &p.w[i]);
@@ -159,26 +121,6 @@ HWY_INLINE void rotor_rows(ParticleSet& p, double kick_time, double h, std::size
   store(select(turns, q, before), &p.q[i]);
   store(select(turns, remainder, remainder_before), &p.q_remainder[i]);
 }
-
-/// Which of the bodies in the lanes have equal moments. Asked of all lanes at once, since most vectors have bodies of one kind.
-struct Balls {
-  const std::uint8_t* isotropic;
-  bool all = true, some = false;
-  HWY_INLINE explicit Balls(const std::uint8_t* flags) : isotropic(flags) {
-    std::uint8_t both = 0xff, either = 0;
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      both &= flags[k];
-      either |= flags[k];
-    }
-    all = both != 0;
-    some = either != 0;
-  }
-  HWY_INLINE Mask<double> lanes() const {
-    alignas(64) double numbers[kLanes];
-    for (std::size_t k = 0; k < kLanes; ++k) numbers[k] = isotropic[k];
-    return Lane::load(numbers) > Lane(0.0);
-  }
-};
 
 HWY_NOINLINE std::size_t drift_rows(ParticleSet& p, double kick_time, double h, bool has_rotor, std::size_t begin, std::size_t end) {
   const Lane zero(0.0), time(kick_time), step(h);

@@ -66,7 +66,7 @@ struct HostedRun::Inner {
   void check_nobody_waits(const char* what) const;
   template <class Action>
   void guarded(Action&& action);
-  int one_step();
+  int some_steps(std::int64_t most);
   void look_around();
 };
 

@@ -136,16 +136,17 @@ void HostedRun::Inner::look_around() {
   if (const int number = poll(); number != 0) simulation->requests().ask_to_stop(number);
 }
 
-int HostedRun::Inner::one_step() {
+/// One step or more.
+int HostedRun::Inner::some_steps(std::int64_t most) {
   look_around();
   if (files && files->is_over())
     throw UsageError("step: the run in {} is over after {:g} s, the time.duration of its case; close it, and give a longer time.duration",
                      options.run_folder, simulation->time());
   guarded([&] {
     if (files)
-      files->step();
+      files->step(most);
     else
-      simulation->advance();
+      simulation->advance(simulation->step() + most);
   });
   const int signal = simulation->requests().pending_signal();
   if (signal == 0) return 0;
@@ -177,7 +178,9 @@ int HostedRun::step(std::int64_t count) {
   in_->check_goes_on("step");
   int code = 0;
   // a run with files ends where its case ends; only a call that begins behind the end is an error
-  for (std::int64_t k = 0; k < count && code == 0 && (k == 0 || !in_->files || !in_->files->is_over()); ++k) code = in_->one_step();
+  const std::int64_t end = step_count() + count;
+  for (bool is_first = true; step_count() < end && code == 0 && (is_first || !in_->files || !in_->files->is_over()); is_first = false)
+    code = in_->some_steps(end - step_count());
   in_->guarded([&] { in_->simulation->agree_on_failures(); });
   if (!in_->files) in_->simulation->drop_events();
   return code;

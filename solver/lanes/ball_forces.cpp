@@ -27,12 +27,12 @@ namespace scree::HWY_NAMESPACE {
 template <bool kWall>
 void gaps_of(const BallScene& scene, const BallPairs& pairs, double* gap) {
   for (std::size_t k = 0; k < pairs.count; k += kLanes) {
-    const Rows a(pairs.a.data() + k);
+    const Rows a(&pairs.a(k));
     const Lane radius = a.of(scene.p.ball_radius);
     if constexpr (kWall) {
-      at_wall(scene, a.of(scene.p.x), radius, WallRows(scene.walls, pairs.b.data() + k)).gap.store(gap + k);
+      at_wall(scene, a.of(scene.p.x), radius, WallRows(scene.walls, &pairs.b(k))).gap.store(gap + k);
     } else {
-      const Rows b(pairs.b.data() + k);
+      const Rows b(&pairs.b(k));
       const OfPair pair{radius, b.of(scene.p.ball_radius), {}, {}, {}, {}, {}};
       const Lane3 between = apart<false, false>(scene, pairs, k, pair).between;
       (length(between) - pair.radius_a - pair.radius_b).store(gap + k);
@@ -131,20 +131,20 @@ HWY_INLINE LanesFound forces_in_lanes(const BallScene& scene, double dt, const B
   Lane gap, depth;  // half of the overlap without margins
   Mask<double> fits{};
   if constexpr (kWall) {
-    const std::int64_t* const rows = pairs.a.data() + k;
+    const std::int32_t* const rows = &pairs.a(k);
     Lane3 x, v, w;
     AtWall at;
     if constexpr (kBlock) {
       x = load_vector<Of::one>(scene, 0, rows, rows);
       v = load_vector<Of::one>(scene, 4, rows, rows);
       w = load_vector<Of::one>(scene, 8, rows, rows);
-      at = at_wall(scene, x, pair.radius_a, OneWall(scene.walls[static_cast<std::size_t>(pairs.b[0])]));
+      at = at_wall(scene, x, pair.radius_a, OneWall(scene.walls[static_cast<std::size_t>(pairs.b(0))]));
     } else {
       const Rows a(rows);
       x = a.of(scene.p.x);
       v = a.of(scene.p.v);
       w = a.of(scene.p.w);
-      at = at_wall(scene, x, pair.radius_a, WallRows(scene.walls, pairs.b.data() + k));
+      at = at_wall(scene, x, pair.radius_a, WallRows(scene.walls, &pairs.b(k)));
     }
     gap = at.gap;
     const Lane overlap = Lane(laws.margin) - gap;
@@ -169,7 +169,8 @@ HWY_INLINE LanesFound forces_in_lanes(const BallScene& scene, double dt, const B
 
   Lane3 lost = (d.damped - push) * m.n, across{zero, zero, zero};
   if constexpr (kRubs != Rubs::no) {
-    const auto [before, stiffness] = load_fours(springs.spring, k);
+    const Lane3 before{Lane::load(&pairs.spring(k, 0)), Lane::load(&pairs.spring(k, 1)), Lane::load(&pairs.spring(k, 2))};
+    const Lane stiffness = Lane::load(&pairs.spring(k, 3));
     const Lane damping = law.at(&LaneLaw::tangential_damping) * d.damping;
     const SlidingContact contact{m.n,
                                  slip_of(m),
@@ -202,7 +203,11 @@ HWY_INLINE LanesFound forces_in_lanes(const BallScene& scene, double dt, const B
       store_rows(rolls.moment, zero, &out.moments[k].v.x, sizeof(PaddedVec3) / sizeof(double));
     }
     // those that are left keep what they have
-    store_fours(select(fits, spring.force, before), select(fits, spring.stiffness, stiffness), k, springs.spring);
+    const Lane3 kept = select(fits, spring.force, before);
+    kept.x.store(&pairs.spring(k, 0));
+    kept.y.store(&pairs.spring(k, 1));
+    kept.z.store(&pairs.spring(k, 2));
+    select(fits, spring.stiffness, stiffness).store(&pairs.spring(k, 3));
   }
   const Lane ratio = m.overlap * pair.inverse_limit;
   const bool all_fit = !any(!fits);
@@ -281,7 +286,7 @@ HWY_EXPORT(gaps_in_lanes);
 HWY_EXPORT(constants_in_lanes);
 HWY_EXPORT(forces_of_any);
 
-constexpr std::size_t kMaxLanes = 8;
+constexpr std::size_t kMaxLanes = BallEight::kPairs;
 static_assert(kBallPairs % kMaxLanes == 0);
 
 /// Lanes beyond the last pair repeat it.   in   width   numbers of a pair
@@ -292,19 +297,25 @@ void fill_up(std::size_t count, Column& column, std::size_t width = 1) {
                 column.begin() + static_cast<std::ptrdiff_t>(width * k));
 }
 
+void repeat_last_rows(const BallPairs& pairs) {
+  for (std::size_t n = pairs.count; n % kMaxLanes != 0; ++n) {
+    pairs.a(n) = pairs.a(pairs.count - 1);
+    pairs.b(n) = pairs.b(pairs.count - 1);
+  }
+}
+
 }  // namespace
 
 void repeat_last_pair(BallPairs& pairs, BallSprings& springs) {
-  fill_up(pairs.count, pairs.a);
-  fill_up(pairs.count, pairs.b);
+  repeat_last_rows(pairs);
+  for (std::size_t n = pairs.count; n % kMaxLanes != 0; ++n)
+    for (std::size_t number = 0; number < 4; ++number) pairs.spring(n, number) = pairs.spring(pairs.count - 1, number);
   fill_up(pairs.count, springs.law);
-  fill_up(pairs.count, springs.spring, 4);
   fill_up(pairs.count, springs.rolling, 4);
 }
 
 void find_ball_gaps(const BallScene& scene, BallPairs& pairs, double* gap) {
-  fill_up(pairs.count, pairs.a);
-  fill_up(pairs.count, pairs.b);
+  repeat_last_rows(pairs);
   HWY_DYNAMIC_DISPATCH(gaps_in_lanes)(scene, pairs, gap);
 }
 

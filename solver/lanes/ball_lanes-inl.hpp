@@ -75,8 +75,8 @@ HWY_INLINE Lane3 velocity_along(const Cell& cell, const Lane3& branch) {
 /// Rows of the particle set, one in each lane.
 class Rows {
  public:
-  HWY_INLINE explicit Rows(const std::int64_t* rows)
-      : row_(hn::LoadU(Integers(), rows)), three_(hn::Add(row_, hn::Add(row_, row_))), four_(hn::ShiftLeft<2>(row_)) {}
+  HWY_INLINE explicit Rows(const std::int32_t* rows) : Rows(hn::PromoteTo(Integers(), hn::LoadU(hn::Rebind<std::int32_t, Integers>(), rows))) {}
+  HWY_INLINE explicit Rows(const std::int64_t* rows) : Rows(hn::LoadU(Integers(), rows)) {}
   HWY_INLINE Lane of(const std::vector<double>& column) const { return gather(column.data(), row_); }
   HWY_INLINE Lane3 of(const std::vector<Vec3>& column) const {
     const double* first = &column.data()->x;
@@ -89,6 +89,8 @@ class Rows {
 
  private:
   using Integers = hn::RebindToSigned<Tag<double>>;
+  HWY_INLINE explicit Rows(hn::Vec<Integers> rows)
+      : row_(rows), three_(hn::Add(row_, hn::Add(row_, row_))), four_(hn::ShiftLeft<2>(row_)) {}
   static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Quat) == 4 * sizeof(double));
   static HWY_INLINE Lane gather(const double* from, hn::Vec<Integers> index) { return hn::GatherIndex(Tag<double>(), from, index); }
   hn::Vec<Integers> row_, three_, four_;
@@ -106,14 +108,14 @@ HWY_INLINE Numbers combined(Numbers of_a, Numbers of_b) {
 /// Four numbers of A's rows less those of B's, their sums, or A's alone, a pair in each lane: column[j] has the number `first` + j.
 /// A gather costs as much as four of these shuffles, or more; sums are made first, so that half of the shuffles suffice.
 template <Of kOf>
-HWY_INLINE void load_quarters(const BallRow* rows, const std::int64_t* a, const std::int64_t* b, std::size_t first, Lane* column) {
+HWY_INLINE void load_quarters(const BallRow* rows, const std::int32_t* a, const std::int32_t* b, std::size_t first, Lane* column) {
   static_assert(sizeof(BallRow) == 16 * sizeof(double));
-  const auto at = [=](const std::int64_t* index, std::size_t lane) { return &rows[index[lane]].x.v.x + first; };
+  const auto at = [=](const std::int32_t* index, std::size_t lane) { return &rows[index[lane]].x.v.x + first; };
 #if HWY_TARGET == HWY_SCALAR
   for (std::size_t j = 0; j < 4; ++j) column[j] = combined<kOf>(Lane(at(a, 0)[j]), Lane(at(b, 0)[j]));
 #elif HWY_TARGET <= HWY_AVX3
   // a half of 256 bits is loaded into its place, which takes no shuffle: two stages are left
-  const auto halves_of = [&](const std::int64_t* index, std::size_t lane) {
+  const auto halves_of = [&](const std::int32_t* index, std::size_t lane) {
     return _mm512_mask_broadcast_f64x4(_mm512_castpd256_pd512(_mm256_load_pd(at(index, lane))), 0xf0, _mm256_load_pd(at(index, lane + 2)));
   };
   const auto halves = [&](std::size_t lane) {
@@ -170,8 +172,8 @@ class OneWall {
 /// Rows of walls, one in each lane.
 class WallRows {
  public:
-  HWY_INLINE WallRows(const std::vector<BallWall>& walls, const std::int64_t* rows)
-      : walls_(walls.data()), first_(hn::ShiftLeft<5>(hn::LoadU(hn::RebindToSigned<Tag<double>>(), rows))) {}
+  HWY_INLINE WallRows(const std::vector<BallWall>& walls, const std::int32_t* rows)
+      : walls_(walls.data()), first_(hn::ShiftLeft<5>(hn::PromoteTo(Integers(), hn::LoadU(hn::Rebind<std::int32_t, Integers>(), rows)))) {}
   HWY_INLINE Lane of(double BallWall::*number) const { return gather(&(walls_->*number)); }
   HWY_INLINE Lane3 of(Vec3 BallWall::*vector) const {
     const double* first = &(walls_->*vector).x;
@@ -183,10 +185,11 @@ class WallRows {
   }
 
  private:
+  using Integers = hn::RebindToSigned<Tag<double>>;
   static_assert(sizeof(BallWall) == 32 * sizeof(double));
   HWY_INLINE Lane gather(const double* from) const { return hn::GatherIndex(Tag<double>(), from, first_); }
   const BallWall* walls_;
-  hn::Vec<hn::RebindToSigned<Tag<double>>> first_;
+  hn::Vec<Integers> first_;
 };
 
 /// Rows of LaneLaws, and of what goes with it, one in each lane. Most scenes have one row, which all lanes share.

@@ -21,7 +21,7 @@ struct OfPair {
 };
 
 template <Of kOf>
-HWY_INLINE Lane3 load_vector(const BallScene& scene, std::size_t first, const std::int64_t* a, const std::int64_t* b) {
+HWY_INLINE Lane3 load_vector(const BallScene& scene, std::size_t first, const std::int32_t* a, const std::int32_t* b) {
   Lane column[4];
   load_quarters<kOf>(scene.rows, a, b, first, column);
   return {column[0], column[1], column[2]};
@@ -30,7 +30,7 @@ HWY_INLINE Lane3 load_vector(const BallScene& scene, std::size_t first, const st
 /// Two balls: sphere_pair_features.   in   pair   its radii
 template <bool kRows, bool kRolls>
 HWY_INLINE BallsApart apart(const BallScene& scene, const BallPairs& pairs, std::size_t k, const OfPair& pair) {
-  const std::int64_t *const a = pairs.a.data() + k, *const b = pairs.b.data() + k;
+  const std::int32_t *const a = &pairs.a(k), *const b = &pairs.b(k);
   const auto image = [&](const Lane3& xa, const Lane3& xb) { return xa - image_of(scene.periodicity, xa, xb); };
   const auto with_cell = [&](const Lane3& vb, const Lane3& between) {
     const Lane zero(0.0);
@@ -103,7 +103,7 @@ template <LaneLawKind kKind, bool kWall>
 HWY_INLINE OfPair find_pair(const BallScene& scene, const LawRows<LaneLaw>& law, const BallPairs& pairs, std::size_t k) {
   const ParticleSet& p = scene.p;
   const LaneLaws& laws = scene.laws;
-  const Rows a(pairs.a.data() + k), b(pairs.b.data() + k);  // of a wall, b is not looked at
+  const Rows a(&pairs.a(k)), b(&pairs.b(k));  // of a wall, b is not looked at
   const Lane zero(0.0), one(1.0);
   const Lane equivalent_a = a.of(p.equivalent_radius);
   OfPair pair;

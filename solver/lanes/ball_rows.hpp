@@ -48,21 +48,38 @@ struct BallScene {
   const BallRow* rows = nullptr;  ///< of all bodies of `p` as they are now; null: what pairs read is collected from the columns
 };
 
+/// What a step reads and writes of eight pairs that touch: five lines of the cache, one after another, and those of the next eight after
+/// them. A large bed waits for memory: what lies in one stream is there before it is asked for.
+struct alignas(64) BallEight {
+  static constexpr std::size_t kPairs = 8;
+  std::array<std::int32_t, kPairs> a, b;  ///< rows of the particle set; b of `walls` where pairs are with walls
+  /// What pairs have kept from the step before, and keep for the next: the spring of friction in world axes, as in FrictionSpring (x, y, z,
+  /// stiffness), each number of all eight together. A stiffness of 0: it touches since.
+  std::array<std::array<double, kPairs>, 4> spring;
+};
+
 /// Some pairs, A and B as in BodyPair; all with balls or all with walls.
 struct BallPairs {
   std::size_t count = 0;
   bool with_walls = false;
-  alignas(64) std::array<std::int64_t, kBallPairs> a, b;  ///< rows of the particle set; b of `walls` where they are with walls
+  BallEight* eights = nullptr;  ///< of kBallPairs pairs
+
+  BallEight& eight(std::size_t n) const { return eights[n / BallEight::kPairs]; }
+  std::int32_t& a(std::size_t n) const { return eight(n).a[n % BallEight::kPairs]; }
+  std::int32_t& b(std::size_t n) const { return eight(n).b[n % BallEight::kPairs]; }
+  double& spring(std::size_t n, std::size_t number) const { return eight(n).spring[number][n % BallEight::kPairs]; }
 };
+
+/// Room for kBallPairs pairs.
+using BallEights = std::array<BallEight, kBallPairs / BallEight::kPairs>;
 
 /// Four numbers of each pair, next to each other.
 using BallFours = std::array<double, 4 * kBallPairs>;
 
-/// What pairs that touch have kept from the step before, and keep for the next: their springs in world axes, as in FrictionSpring (x, y, z,
-/// stiffness). A stiffness of 0: it touches since.
+/// What else pairs keep.
 struct BallSprings {
   alignas(64) std::array<std::int64_t, kBallPairs> law;  ///< row of LaneLaws
-  alignas(64) BallFours spring, rolling;
+  alignas(64) BallFours rolling;                         ///< the spring of rolling, of each pair together
 };
 
 /// What does not change while the two sides of a pair are the same.

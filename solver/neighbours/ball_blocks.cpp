@@ -18,11 +18,18 @@ constexpr std::size_t kMostSprings = 2;                // of friction, of rollin
   springs.front().key = kSpringKey;
 }
 
-ContactSpring spring_at(const BallFours& four, std::size_t n) { return {{four[4 * n], four[4 * n + 1], four[4 * n + 2]}, four[4 * n + 3]}; }
+/// The spring of friction as four numbers.
+std::array<double, 4> spring_at(const BallPairs& pairs, std::size_t n) {
+  return {pairs.spring(n, 0), pairs.spring(n, 1), pairs.spring(n, 2), pairs.spring(n, 3)};
+}
+void set_spring(const std::array<double, 4>& four, const BallPairs& pairs, std::size_t n) {
+  for (std::size_t number = 0; number < four.size(); ++number) pairs.spring(n, number) = four[number];
+}
+ContactSpring contact_spring(const double* four) { return {{four[0], four[1], four[2]}, four[3]}; }
 
-template <class Column>
-void clear(Column& four, std::size_t n) {
-  std::fill_n(four.begin() + static_cast<std::ptrdiff_t>(4 * n), 4, 0.0);
+void clear(const BallPairs& pairs, BallSprings& lanes, std::size_t n) {
+  set_spring({}, pairs, n);
+  std::fill_n(&lanes.rolling[4 * n], 4, 0.0);
 }
 
 }  // namespace
@@ -38,35 +45,34 @@ bool are_of_balls(const std::vector<FrictionSpring>& springs, std::size_t spring
          (spring_count < kMostSprings || springs[1].key == RollingSpring::kKey);
 }
 
-void load_springs(const std::vector<FrictionSpring>& springs, std::size_t spring_count, std::size_t n, BallSprings& lanes) {
-  if (springs.empty()) {
-    clear(lanes.spring, n);
-    clear(lanes.rolling, n);
-    return;
-  }
-  store(springs[0], &lanes.spring[4 * n]);
+void load_springs(const std::vector<FrictionSpring>& springs, std::size_t spring_count, std::size_t n, const BallPairs& pairs,
+                  BallSprings& lanes) {
+  if (springs.empty()) return clear(pairs, lanes, n);
+  std::array<double, 4> four;
+  store(springs[0], four.data());
+  set_spring(four, pairs, n);
   if (spring_count == kMostSprings) store(springs[1], &lanes.rolling[4 * n]);
 }
 
-void save_springs(const BallSprings& lanes, std::size_t n, std::size_t spring_count, std::vector<FrictionSpring>& springs) {
+void save_springs(const BallPairs& pairs, const BallSprings& lanes, std::size_t n, std::size_t spring_count,
+                  std::vector<FrictionSpring>& springs) {
   if (springs.size() != spring_count) begin_springs(spring_count, springs);
   FrictionSpring* const kept = springs.data();
-  load(&lanes.spring[4 * n], kept[0]);
+  load(spring_at(pairs, n).data(), kept[0]);
   if (spring_count == kMostSprings) load(&lanes.rolling[4 * n], kept[1]);
 }
 
-double energy_of_springs(const BallSprings& lanes, std::size_t n, std::size_t spring_count) {
+double energy_of_springs(const BallPairs& pairs, const BallSprings& lanes, std::size_t n, std::size_t spring_count) {
   double stored = 0;
-  if (spring_count > 0) stored = with_energy(spring_at(lanes.spring, n), stored);
-  if (spring_count == kMostSprings) stored = with_energy(spring_at(lanes.rolling, n), stored);
+  if (spring_count > 0) stored = with_energy(contact_spring(spring_at(pairs, n).data()), stored);
+  if (spring_count == kMostSprings) stored = with_energy(contact_spring(&lanes.rolling[4 * n]), stored);
   return stored;
 }
 
 void BallBlock::part(std::size_t n) {
   touches[n] = 0;
   all_touch = false;
-  clear(springs.spring, n);
-  clear(springs.rolling, n);
+  clear(pairs, springs, n);
   forces.slots[n] = {};
   if (forces.moments != nullptr) forces.moments[n] = {};
 }
@@ -74,6 +80,7 @@ void BallBlock::part(std::size_t n) {
 BallBlock& BallBlocks::with_slots(std::int32_t n) {
   const auto at = static_cast<std::size_t>(n);
   BallBlock& b = *blocks_[at];
+  b.pairs.eights = &eights_[at * kBallPairs / BallEight::kPairs];
   b.forces.slots = &slots_[at * kBallPairs];
   b.forces.moments = have_rolling() ? &moments_[at * kBallPairs] : nullptr;
   return b;
@@ -91,6 +98,7 @@ std::int32_t BallBlocks::block_with_room(std::size_t of, std::int32_t wall) {
   last = static_cast<std::int32_t>(used_++);
   of_class_[of].push_back(last);
   slots_.resize(std::max(slots_.size(), used_ * kBallPairs));
+  eights_.resize(slots_.size() / BallEight::kPairs);
   moments_.resize(have_rolling() ? slots_.size() : 0);
   return last;
 }
@@ -100,12 +108,12 @@ bool BallBlocks::append(std::size_t of, std::int32_t k, const BallScene& scene, 
   const BallContactRows found = find_ball_contact(scene.laws, scene.p, pair.a, pair.b, pair.key.zone);
   if (!found.is_one || !are_of_balls(pair.state.springs, spring_count_)) return false;
   const std::int32_t last = block_with_room(of, found.wall);
-  BallBlock& block = *blocks_[static_cast<std::size_t>(last)];
+  BallBlock& block = with_slots(last);
   const std::size_t n = block.pairs.count++;
-  load_springs(pair.state.springs, spring_count_, n, block.springs);
+  load_springs(pair.state.springs, spring_count_, n, block.pairs, block.springs);
   block.springs.law[n] = static_cast<std::int64_t>(found.law);
-  block.pairs.a[n] = pair.a;
-  block.pairs.b[n] = found.wall >= 0 ? found.wall : pair.b;
+  block.pairs.a(n) = pair.a;
+  block.pairs.b(n) = found.wall >= 0 ? found.wall : pair.b;
   block.index[n] = k;
   block.touches[n] = 1;
   place_[static_cast<std::size_t>(k)] = last * static_cast<std::int32_t>(kBallPairs) + static_cast<std::int32_t>(n);
@@ -113,7 +121,7 @@ bool BallBlocks::append(std::size_t of, std::int32_t k, const BallScene& scene, 
 }
 
 void BallBlocks::complete(std::int32_t n, const BallScene& scene) {
-  BallBlock& block = *blocks_[static_cast<std::size_t>(n)];
+  BallBlock& block = with_slots(n);
   repeat_last_pair(block.pairs, block.springs);
   BallConstants& c = block.constants;
   find_ball_constants(scene, block.pairs, block.springs, c);
@@ -130,7 +138,7 @@ void BallBlocks::fill(const BallScene& scene, const std::array<std::span<const s
                       const std::vector<BodyPair>& pairs, const std::vector<IdlePair>& idle) {
   filled_ = true;
   spring_count_ = ball_spring_count(scene.laws);
-  used_ = 0;
+  used_ = outside_ = 0;
   place_.assign(pairs.size(), kOther);
   for (std::size_t c = 0; c < kPairClasses; ++c) {
     of_class_[c].clear();
@@ -143,6 +151,8 @@ void BallBlocks::fill(const BallScene& scene, const std::array<std::span<const s
       others_[c].push_back(k);
       if (!touches && find_ball_contact(scene.laws, scene.p, idle[at].a, idle[at].b, idle[at].b < 0 ? pairs[at].key.zone : -1).is_one)
         place_[at] = kWaits;
+      else
+        ++outside_;
     }
     for (const std::int32_t n : of_class_[c]) complete(n, scene);
   }
@@ -156,6 +166,7 @@ void BallBlocks::take_out(PairClass which, std::span<const std::int32_t> pairs) 
       blocks_[static_cast<std::size_t>(place) / kBallPairs]->index[static_cast<std::size_t>(place) % kBallPairs] = -1;
       others.insert(std::lower_bound(others.begin(), others.end(), k), k);
     }
+    if (place != kOther) ++outside_;
     place = kOther;
   }
 }
@@ -166,6 +177,7 @@ void BallBlocks::add(PairClass which, std::span<const std::int32_t> begun, const
   for (const std::int32_t k : begun) {
     if (!append(c, k, scene, pairs[static_cast<std::size_t>(k)])) continue;
     taken.push_back(k);
+    --outside_;
     complete(place_[static_cast<std::size_t>(k)] / static_cast<std::int32_t>(kBallPairs), scene);
   }
   if (taken.empty()) return;
@@ -179,6 +191,7 @@ void BallBlocks::add(PairClass which, std::span<const std::int32_t> begun, const
 void BallBlocks::give_back(std::size_t place, std::size_t k, std::vector<BodyPair>& pairs, std::vector<PairResult>& results,
                            std::vector<IdlePair>& idle) const {
   const BallBlock& block = *blocks_[place / kBallPairs];
+  const BallPairs& lanes = block.pairs;
   const std::size_t n = place % kBallPairs;
   PairResult& result = results[k];
   result.active = block.touches[n] != 0;
@@ -189,8 +202,8 @@ void BallBlocks::give_back(std::size_t place, std::size_t k, std::vector<BodyPai
     return;
   }
   load_result(static_cast<std::int32_t>(place), result);
-  result.tangential_elastic = energy_of_springs(block.springs, n, spring_count_);
-  if (spring_count_ > 0) save_springs(block.springs, n, spring_count_, pairs[k].state.springs);
+  result.tangential_elastic = energy_of_springs(lanes, block.springs, n, spring_count_);
+  if (spring_count_ > 0) save_springs(lanes, block.springs, n, spring_count_, pairs[k].state.springs);
 }
 
 void BallBlocks::load_result(std::int32_t place, PairResult& result) const {
@@ -203,7 +216,7 @@ void BallBlocks::load_result(std::int32_t place, PairResult& result) const {
 void BallBlocks::write_back(std::vector<BodyPair>& pairs, std::vector<PairResult>& results, std::vector<IdlePair>& idle) {
   filled_ = false;
   for (std::size_t b = 0; b < used_; ++b) {
-    const BallBlock& block = *blocks_[b];
+    const BallBlock& block = with_slots(static_cast<std::int32_t>(b));
     for (std::size_t n = 0; n < block.pairs.count; ++n)
       if (block.index[n] >= 0) give_back(b * kBallPairs + n, static_cast<std::size_t>(block.index[n]), pairs, results, idle);
   }

@@ -7,7 +7,7 @@
 //
 // A pair that begins to touch is added in the next step. One that parts stays, without force, until the pairs are written back. One that
 // lanes leave to the loop over single pairs is taken out.
-// Memory: 270 bytes a pair in contact.   Threads: blocks are computed by any thread, each by one at a time; all else by one thread.
+// Memory: 250 bytes a pair in contact.   Threads: blocks are computed by any thread, each by one at a time; all else by one thread.
 #pragma once
 
 #include <array>
@@ -31,11 +31,13 @@ std::size_t ball_spring_count(const LaneLaws& laws);
 /// Whether springs are those of a ball contact, or none.
 bool are_of_balls(const std::vector<FrictionSpring>& springs, std::size_t spring_count);
 /// Makes them place n of lanes.
-void load_springs(const std::vector<FrictionSpring>& springs, std::size_t spring_count, std::size_t n, BallSprings& lanes);
+void load_springs(const std::vector<FrictionSpring>& springs, std::size_t spring_count, std::size_t n, const BallPairs& pairs,
+                  BallSprings& lanes);
 /// The other way round.   in   spring_count > 0
-void save_springs(const BallSprings& lanes, std::size_t n, std::size_t spring_count, std::vector<FrictionSpring>& springs);
+void save_springs(const BallPairs& pairs, const BallSprings& lanes, std::size_t n, std::size_t spring_count,
+                  std::vector<FrictionSpring>& springs);
 /// What springs store [J].
-double energy_of_springs(const BallSprings& lanes, std::size_t n, std::size_t spring_count);
+double energy_of_springs(const BallPairs& pairs, const BallSprings& lanes, std::size_t n, std::size_t spring_count);
 
 struct BallBlock {
   BallPairs pairs;
@@ -46,7 +48,7 @@ struct BallBlock {
   std::array<std::uint8_t, kBallPairs> touches;  ///< 1 or 0
   bool all_touch = true;
 
-  /// Makes a pair do nothing until it touches again.   Needs the slots of `forces`
+  /// Makes a pair do nothing until it touches again.   Needs the eights of `pairs` and the slots of `forces`
   void part(std::size_t n);
 };
 
@@ -66,8 +68,10 @@ class BallBlocks {
 
   /// The pairs of a class that are not in blocks.
   const std::vector<std::int32_t>& others(PairClass which) const { return others_[static_cast<std::size_t>(which)]; }
+  /// Of these, over all classes, those that are no ball contacts, or that lanes have no formula for: they may touch.
+  std::size_t count_outside() const { return outside_; }
   std::size_t count(PairClass which) const { return of_class_[static_cast<std::size_t>(which)].size(); }
-  /// The n-th block of a class, with its slots.
+  /// The n-th block of a class, with its eights and slots.
   BallBlock& block(PairClass which, std::size_t n) { return with_slots(of_class_[static_cast<std::size_t>(which)][n]); }
   bool have_rolling() const { return spring_count_ == 2; }
 
@@ -97,8 +101,9 @@ class BallBlocks {
   bool filled_ = false;
   std::size_t spring_count_ = 0;
   std::vector<std::unique_ptr<BallBlock>> blocks_;  // more than are used
-  std::size_t used_ = 0;
-  std::vector<BallSlot> slots_;  // of all blocks, one after another
+  std::size_t used_ = 0, outside_ = 0;
+  std::vector<BallEight> eights_;  // of all blocks, one after another
+  std::vector<BallSlot> slots_;    // the same
   std::vector<PaddedVec3> moments_;
   std::array<std::vector<std::int32_t>, kPairClasses> of_class_, others_;
   std::array<std::vector<std::int32_t>, kPairClasses>

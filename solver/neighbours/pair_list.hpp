@@ -86,6 +86,7 @@ class PairList {
     for (std::vector<std::int32_t>& begun : begun_) begun.clear();
   }
   TravelBounds& travel() { return travel_; }
+  const TravelBounds& travel() const { return travel_; }
   /// State of pairs that are not listed: what arrived since the lists were made, and what lasts while its bodies are apart.
   std::vector<WaitingState>& waiting() { return waiting_; }
   const std::vector<WaitingState>& waiting() const { return waiting_; }
@@ -108,6 +109,12 @@ class PairList {
   /// threads and ranks. Gravity included.
   void sum_onto_bodies(const Vec3& gravity, ParticleSet& p) const;
 
+  /// Instead of sum_onto_bodies() where all owned bodies are balls and nothing else acts on them: takes them from the forces of a step to
+  /// their places in the next (lanes/ball_motion.hpp). Needs filled blocks.
+  /// in   dt   of both steps [s]     out   rows   of the owned bodies
+  /// Returns how fast the fastest of them went [m/s].   Threads: parallel inside.
+  double move_balls(const Vec3& gravity, double dt, ParticleSet& p, std::vector<BallRow>& rows) const;
+
   /// Drops the lists of candidates of all pairs; results never depend on it (used by tests and after a restart).
   void forget_candidates();
 
@@ -115,6 +122,7 @@ class PairList {
   void sort_sides(const ParticleSet& p);
   std::vector<std::int32_t>& list_of(const BodyPair& pair, const ParticleSet& p);
 
+  BallSums sums_of_blocks() const;
   void sum_blocks(const Vec3& gravity, ParticleSet& p) const;
   void sum_with_others(std::size_t i, const BallSums& sums, const Vec3& gravity, ParticleSet& p) const;
   void list_due(std::size_t row);

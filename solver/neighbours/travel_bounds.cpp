@@ -40,6 +40,16 @@ void TravelBounds::add_motion_of_owned(const ParticleSet& p) {
   });
 }
 
+void TravelBounds::add_to_balls(const ParticleSet& p, double way) {
+  const auto count = static_cast<std::ptrdiff_t>(p.owned);
+#pragma omp parallel for schedule(static)
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const auto row = static_cast<std::size_t>(i);
+    way_[row] += kSumRounding * way;
+    x_[row] = p.x[row];
+  }
+}
+
 void TravelBounds::add_motion_of_ghosts(const ParticleSet& p) {
   carry_listed_places(p.cell, branch_, p.owned, p.size(), x_, way_);
 #pragma omp parallel for schedule(static)

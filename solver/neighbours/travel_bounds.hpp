@@ -20,6 +20,8 @@ class TravelBounds {
   /// Adds what the owned bodies, or the ghosts, have moved since the last call.   Threads: parallel inside.
   void add_motion_of_owned(const ParticleSet& p);
   void add_motion_of_ghosts(const ParticleSet& p);
+  /// Adds to every owned body that it has moved by no more than `way` since the last call [m].   in   p   all of them balls
+  void add_to_balls(const ParticleSet& p, double way);
   /// No point of the body has gone further since the start [m].
   double operator[](std::int32_t row) const { return way_[static_cast<std::size_t>(row)]; }
 

@@ -41,7 +41,8 @@ bool has_ball_way(const PairPass& pass) { return pass.scene.ball_laws().kind != 
 BallPass::BallPass(PairPass& pass) : pass_(pass), scene_{pass.p, pass.p.cell.periodicity(), pass.scene.ball_laws()} {
   if (pass.blocks) {
     // ghosts are not here yet while the pairs of owned bodies are computed
-    collect_rows(pass.p, *pass.blocks == PairClass::inner ? pass.p.owned : pass.p.size(), pass.scratch.ball_rows);
+    if (!pass.has_ball_rows)
+      collect_rows(pass.p, *pass.blocks == PairClass::inner ? pass.p.owned : pass.p.size(), pass.scratch.ball_rows);
     scene_.rows = pass.scratch.ball_rows.data();
   }
   scene_.walls.reserve(scene_.laws.zones.size());
@@ -81,7 +82,7 @@ void BallEvaluation::look(Due& due) {
     std::size_t count = 0;
     for (std::size_t n = 0; n < all.pairs.count; ++n) {
       if (gap_[n] >= margin)
-        part(all.index[n], static_cast<std::size_t>(all.pairs.a[n]), static_cast<std::size_t>(all.pairs.b[n]), all.pairs.with_walls,
+        part(all.index[n], static_cast<std::size_t>(all.pairs.a(n)), static_cast<std::size_t>(all.pairs.b(n)), all.pairs.with_walls,
              gap_[n]);
       else
         take_touching(all, n, count);
@@ -110,7 +111,7 @@ void BallEvaluation::press(Due& due) {
   std::size_t law = 0;
   if (laws.laws.size() != 1) {
     const std::vector<std::int32_t>& material = pass_.p.material;
-    const auto a = static_cast<std::size_t>(due.pairs.a[n]), b = static_cast<std::size_t>(due.pairs.b[n]);
+    const auto a = static_cast<std::size_t>(due.pairs.a(n)), b = static_cast<std::size_t>(due.pairs.b(n));
     law = laws.row(material[a], due.pairs.with_walls ? laws.zones[b].material : material[b]);
   }
   const std::vector<FrictionSpring>& springs = pass_.list.stored_pairs()[static_cast<std::size_t>(k)].state.springs;
@@ -118,9 +119,9 @@ void BallEvaluation::press(Due& due) {
     left_.push_back(k);
     return;
   }
-  load_springs(springs, spring_count_, count, springs_);
-  touching_.pairs.a[count] = due.pairs.a[n];
-  touching_.pairs.b[count] = due.pairs.b[n];
+  load_springs(springs, spring_count_, count, touching_.pairs, springs_);
+  touching_.pairs.a(count) = due.pairs.a(n);
+  touching_.pairs.b(count) = due.pairs.b(n);
   touching_.index[count] = k;
   springs_.law[count] = static_cast<std::int64_t>(law);
   ++count;
@@ -162,7 +163,7 @@ void BallEvaluation::hand_out() {
     const auto k = static_cast<std::size_t>(touching_.index[n]);
     if (forces_.left[n] != 0) {
       if (forces_.gap[n] >= margin)
-        part(touching_.index[n], static_cast<std::size_t>(touching_.pairs.a[n]), static_cast<std::size_t>(touching_.pairs.b[n]),
+        part(touching_.index[n], static_cast<std::size_t>(touching_.pairs.a(n)), static_cast<std::size_t>(touching_.pairs.b(n)),
              touching_.pairs.with_walls, forces_.gap[n]);
       else
         left_.push_back(touching_.index[n]);
@@ -173,10 +174,10 @@ void BallEvaluation::hand_out() {
     PairResult& result = results[k];
     result.active = true;
     result.contact_count = 1;
-    const auto a = static_cast<std::size_t>(touching_.pairs.a[n]), b = static_cast<std::size_t>(touching_.pairs.b[n]);
+    const auto a = static_cast<std::size_t>(touching_.pairs.a(n)), b = static_cast<std::size_t>(touching_.pairs.b(n));
     load(slots_[n], forces_.moments != nullptr ? &moments_[n] : nullptr, radius[a], with_walls ? 0 : radius[b], result);
     if (with_walls) result.torque_b = result.dissipative_torque_b = {};
-    result.tangential_elastic = energy_of_springs(springs_, n, spring_count);
+    result.tangential_elastic = energy_of_springs(touching_.pairs, springs_, n, spring_count);
     if (continues && !(result.overlap_ratio < stop_ratio)) {
       left_.push_back(touching_.index[n]);
       continue;
@@ -184,7 +185,7 @@ void BallEvaluation::hand_out() {
     largest = std::max(largest, result.overlap_ratio);
     too_deep = too_deep || !(result.overlap_ratio < stop_ratio);  // or not a number
     if (spring_count == 0) continue;
-    save_springs(springs_, n, spring_count, pairs[k].state.springs);
+    save_springs(touching_.pairs, springs_, n, spring_count, pairs[k].state.springs);
   }
   largest_overlap_ = largest;
   too_deep_ = too_deep;
@@ -212,8 +213,8 @@ void BallEvaluation::leave(BallBlock& block, std::size_t n) {
   const auto k = static_cast<std::size_t>(block.index[n]);
   PairState& state = pass_.list.stored_pairs()[k].state;
   // what touches first has no springs yet
-  if (spring_count_ > 0 && block.springs.spring[4 * n + 3] != 0)
-    save_springs(block.springs, n, spring_count_, state.springs);
+  if (spring_count_ > 0 && block.pairs.spring(n, 3) != 0)
+    save_springs(block.pairs, block.springs, n, spring_count_, state.springs);
   else
     state.keep_lasting();
   pass_.list.idle()[k].way = kNeverIdle;

@@ -76,7 +76,11 @@ class BallEvaluation {
 
  private:
   struct Due {
-    BallPairs pairs;
+    Due() = default;
+    Due(const Due&) = delete;  // pairs lie in it
+    Due& operator=(const Due&) = delete;
+    BallEights eights;
+    BallPairs pairs{.eights = eights.data()};
     std::array<std::int32_t, kBallPairs> index;  ///< in the list of pairs
   };
 
@@ -84,8 +88,8 @@ class BallEvaluation {
     prefetch<sizeof(PairState)>(&pass_.list.stored_pairs()[static_cast<std::size_t>(k)].state);
     prefetch<sizeof(PairResult)>(&pass_.list.stored_results()[static_cast<std::size_t>(k)]);
     const std::size_t n = due.pairs.count++;
-    due.pairs.a[n] = a;
-    due.pairs.b[n] = b;
+    due.pairs.a(n) = a;
+    due.pairs.b(n) = b;
     due.index[n] = k;
     if (!touched) {
       if (due.pairs.count == kBallPairs) look(due);

@@ -135,7 +135,7 @@ enum class Purpose { forces, examination, rest };
 
 double evaluate(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::span<const std::int32_t> which,
                 double dt, double friction_dt, std::int64_t step, ForceScratch& scratch, PairList& list, PairObservers observers,
-                Purpose purpose, std::optional<PairClass> blocks = {}) {
+                Purpose purpose, std::optional<PairClass> blocks = {}, const std::vector<std::int32_t>* due = nullptr) {
   if (!blocks) list.write_back();
   // a barrier makes room for gaps that are otherwise too near to be followed
   const double stop_ratio = scene.source().settings.barrier > 0 ? 1 - kBarrierShare * kMinBarrierGap : kStopOverlapRatio;
@@ -155,11 +155,12 @@ double evaluate(const SolverScene& scene, const ParticleSet& p, const std::vecto
                 scene.continues(),
                 purpose == Purpose::examination,
                 purpose == Purpose::rest,
-                blocks};
+                blocks,
+                due != nullptr};
   if (pass.holds != nullptr || scene.law_choice().yields) scratch.released.resize(scratch.distance.size());
   if (pass.continues) scratch.deep.resize(scratch.distance.size());
   Deepest deepest;
-  const std::span<const std::int32_t> listed = blocks ? std::span<const std::int32_t>(list.blocks().others(*blocks)) : which;
+  const std::span<const std::int32_t> listed = due != nullptr ? *due : blocks ? list.blocks().others(*blocks) : which;
   ContactModels::choose(scene.law_choice().gathering, [&]<class Model>() { deepest = evaluate_all<Model>(pass, listed); });
   if (deepest.too_deep) list.write_back();
   check_pass(pass, which, step, deepest);
@@ -197,15 +198,26 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
   return evaluate(scene, p, walls, which, dt, friction_dt, step, scratch, list, observers, Purpose::forces);
 }
 
+// where bodies sleep, pairs are due that differ from step to step
+bool may_use_blocks(const SolverScene& scene, const ParticleSet& p) {
+  return scene.ball_laws().kind != LaneLawKind::none && !p.may_sleep && !scene.continues();
+}
+
 double evaluate_class(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, PairClass which,
                       std::span<const std::int32_t> all, double dt, double friction_dt, std::int64_t step, ForceScratch& scratch,
                       PairList& list, PairObservers observers) {
-  // where bodies sleep, pairs are due that differ from step to step; where pairs are timed or shown, each goes for itself
-  const bool in_blocks = scene.ball_laws().kind != LaneLawKind::none && !p.may_sleep && !scene.continues() && friction_dt > 0 &&
-                         friction_dt == dt && scratch.pair_seconds.empty() && !any_observes_bodies(observers);
+  // where pairs are timed or shown, each goes for itself
+  const bool in_blocks = may_use_blocks(scene, p) && friction_dt > 0 && friction_dt == dt && scratch.pair_seconds.empty() &&
+                         !any_observes_bodies(observers);
   if (!in_blocks) return evaluate_pairs(scene, p, walls, all, dt, friction_dt, step, scratch, list, observers);
   list.fill_blocks(scene, p, which);
   return evaluate(scene, p, walls, all, dt, friction_dt, step, scratch, list, observers, Purpose::forces, which);
+}
+
+double evaluate_blocks(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, PairClass which,
+                       const std::vector<std::int32_t>& due, double dt, std::int64_t step, ForceScratch& scratch, PairList& list) {
+  const std::vector<std::int32_t>& all = which == PairClass::inner ? list.inner() : which == PairClass::outer ? list.outer() : list.duplicated();
+  return evaluate(scene, p, walls, all, dt, dt, step, scratch, list, {}, Purpose::forces, which, &due);
 }
 
 void evaluate_at_rest(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,

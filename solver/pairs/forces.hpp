@@ -26,6 +26,15 @@ double evaluate_class(const SolverScene& scene, const ParticleSet& p, const std:
                       std::span<const std::int32_t> all, double dt, double friction_dt, std::int64_t step, ForceScratch& scratch,
                       PairList& list, PairObservers observers = {});
 
+/// Whether pairs of balls of a scene may lie in blocks.
+bool may_use_blocks(const SolverScene& scene, const ParticleSet& p);
+
+/// The same where all pairs of the class lie in blocks or wait for their place there, and scratch.ball_rows are those of the present
+/// places.
+/// in   due   of those that wait, all that may touch
+double evaluate_blocks(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, PairClass which,
+                       const std::vector<std::int32_t>& due, double dt, std::int64_t step, ForceScratch& scratch, PairList& list);
+
 /// Results of pairs whose bodies are at rest: a function of where they are and of their springs, which stay as they are to the last bit.
 /// Evaluated again, it gives the same bits.   Threads: parallel inside.   Ranks: local.
 void evaluate_at_rest(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,

@@ -17,6 +17,8 @@ void catch_signals() {
   std::signal(SIGXFSZ, SIG_IGN);  // a file over the limit of its size is an error of the write, reported with its name
 }
 
+bool Requests::is_signal_caught() const { return deaf_steps_ == 0 && (stop_ != 0 || g_signal != 0); }
+
 void Requests::fill(StepReport& mine) const {
   mine.signal = stop_ != 0 ? stop_ : g_signal;
   mine.checkpoint = asked_;

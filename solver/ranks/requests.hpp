@@ -27,6 +27,8 @@ class Requests {
   bool is_checkpoint_asked() const { return heard_ > written_; }
   void checkpoint_written() { ++written_; }
 
+  /// Whether a signal was caught that has not been heard of yet.
+  bool is_signal_caught() const;
   /// Fills in what this rank asks.
   void fill(StepReport& mine) const;
   /// Takes in what all ranks ask.

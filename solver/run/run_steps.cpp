@@ -107,9 +107,9 @@ void RunSteps::begin() {
   keep_if_invalid([&] { check_for_end(); });
 }
 
-int RunSteps::step() {
+int RunSteps::step(std::int64_t most) {
   int code = 0;
-  keep_if_invalid([&] { code = advance(); });
+  keep_if_invalid([&] { code = advance(most); });
   return code;
 }
 
@@ -123,10 +123,11 @@ void RunSteps::keep_if_invalid(Action&& action) {
   }
 }
 
-int RunSteps::advance() {
+int RunSteps::advance(std::int64_t most) {
   ask_for_checkpoint_by_clock();
-  simulation_.advance();
-  body_steps_ += static_cast<double>(simulation_.state().facts.count);
+  const std::int64_t before = simulation_.step();
+  simulation_.advance(std::min(before + most, schedule_.next_output(before)));
+  body_steps_ += static_cast<double>(simulation_.state().facts.count) * static_cast<double>(simulation_.step() - before);
   watchdog_.progress(simulation_.step());
   const std::int64_t step = simulation_.step();
   if (schedule_.is_frame_due(step)) check_for_end();

@@ -25,6 +25,8 @@ nlohmann::json provenance_of_run(const mpi::Communicator& comm, const RunOptions
 
 class RunSteps {
  public:
+  static constexpr std::int64_t kAsMany = std::int64_t{1} << 40;
+
   /// in   checkpoint_path   that the simulation was started from, or ""
   /// in   before            the record of the parts of this run before this one
   /// What it is given must outlive it.
@@ -35,9 +37,9 @@ class RunSteps {
   void begin();
   /// Whether its time is over, all is at rest where it stops then, or no body is left that is free to move.
   bool is_over() const;
-  /// One step. Returns 0; or 128 + n after signal n: a checkpoint is kept, and the run may go on.
+  /// One step, or as many as go at once before something is written, `most` at most. Returns 0; or 128 + n after signal n: a checkpoint is kept, and the run may go on.
   /// Throws RunInvalid after the last state was kept, and what files and MPI throw.
-  int step();
+  int step(std::int64_t most = kAsMany);
   /// The outcome of a run that is over.
   void finish();
   bool nothing_came() const;
@@ -48,7 +50,7 @@ class RunSteps {
 
  private:
   void announce() const;
-  int advance();
+  int advance(std::int64_t most);
   void check_for_end();
   void ask_for_checkpoint_by_clock();
   void write_row();

@@ -1,6 +1,7 @@
 // When the outputs of a run are due.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "core/storage/scene_file.hpp"
@@ -18,6 +19,12 @@ struct Schedule {
   bool is_frame_due(std::int64_t step) const { return step % frame == 0 || step == last; }
   bool is_row_due(std::int64_t step) const { return step % log == 0 || step == last; }
   bool is_checkpoint_due(std::int64_t step) const { return checkpoint > 0 && step % checkpoint == 0; }
+  /// The first step after `step` after which something may be written.
+  std::int64_t next_output(std::int64_t step) const {
+    const auto next = [step](std::int64_t every) { return (step / every + 1) * every; };
+    const std::int64_t of_both = std::min(next(frame), next(log));
+    return std::min({last, of_both, checkpoint > 0 ? next(checkpoint) : last});
+  }
   /// Of the frame at a step; the last one may come before a whole interval is over.
   std::int64_t frame_number(std::int64_t step) const { return (step + frame - 1) / frame; }
 };

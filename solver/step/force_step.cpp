@@ -70,15 +70,14 @@ void ForceStep::compute_new_contacts(RunState& s, FirstFailure& failure, std::sp
   });
 }
 
-void ForceStep::compute_pairs(RunState& s, Balance& balance, FirstFailure& failure, PairClass of, std::span<const std::int32_t> which,
-                              double friction_dt) {
-  if (failure.exists() || which.empty()) return;
-  const PhaseTimer timer(s.times, of == PairClass::duplicated ? Phase::duplicated : Phase::contact);
+/// in   evaluate   returns the largest overlap over its maximum
+template <class Evaluate>
+void ForceStep::compute_timed(RunState& s, Balance& balance, FirstFailure& failure, Phase phase, Evaluate&& evaluate) {
+  const PhaseTimer timer(s.times, phase);
   const WorkTimer work(balance.computing(), balance.weight_of(s.clock.step));
   failure.watch(s.clock.step, [&] {
     double& largest = s.totals.max_overlap_ratio;
-    largest = std::max(largest, evaluate_class(s.scene, s.particles, s.walls, of, which, s.clock.dt, friction_dt, s.clock.step, scratch_,
-                                               s.pairs, observers_));
+    largest = std::max(largest, evaluate());
     for (ExactSum& released : scratch_.released) {
       s.totals.walls.dissipated.add(released);
       released = {};
@@ -87,6 +86,20 @@ void ForceStep::compute_pairs(RunState& s, Balance& balance, FirstFailure& failu
       for (const DeepContact& contact : of_thread) s.totals.deep.add(contact, s.clock.step);
       of_thread.clear();
     }
+  });
+}
+
+void ForceStep::compute_pairs(RunState& s, Balance& balance, FirstFailure& failure, PairClass of, std::span<const std::int32_t> which,
+                              double friction_dt) {
+  if (failure.exists() || which.empty()) return;
+  compute_timed(s, balance, failure, of == PairClass::duplicated ? Phase::duplicated : Phase::contact, [&] {
+    return evaluate_class(s.scene, s.particles, s.walls, of, which, s.clock.dt, friction_dt, s.clock.step, scratch_, s.pairs, observers_);
+  });
+}
+
+void ForceStep::compute_balls(RunState& s, Balance& balance, FirstFailure& failure, const std::vector<std::int32_t>& due) {
+  compute_timed(s, balance, failure, Phase::contact, [&] {
+    return evaluate_blocks(s.scene, s.particles, s.walls, PairClass::inner, due, s.clock.dt, s.clock.step, scratch_, s.pairs);
   });
 }
 

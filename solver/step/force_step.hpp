@@ -18,6 +18,9 @@ class ForceStep {
   /// in   refresh   ghosts are brought to the present first
   void compute(RunState& s, Decomposition& decomposition, FirstFailure& failure, double friction_dt, bool refresh);
 
+  /// The pairs of a step in which all go in blocks, or are among `due`: see evaluate_blocks(). Bodies do not get their forces.
+  void compute_balls(RunState& s, Balance& balance, FirstFailure& failure, const std::vector<std::int32_t>& due);
+
   /// Forces of contacts that begin in this step, with springs at rest; the bodies do not get them.
   void compute_new_contacts(RunState& s, FirstFailure& failure, std::span<const std::int32_t> which);
 
@@ -28,6 +31,8 @@ class ForceStep {
   ForceScratch& scratch() { return scratch_; }
 
  private:
+  template <class Evaluate>
+  void compute_timed(RunState& s, Balance& balance, FirstFailure& failure, Phase phase, Evaluate&& evaluate);
   void compute_pairs(RunState& s, Balance& balance, FirstFailure& failure, PairClass of, std::span<const std::int32_t> which,
                      double friction_dt);
 

@@ -66,6 +66,8 @@ double NeighbourLists::skin_for(const RunState& s, double fastest) const {
   return skin;
 }
 
+double NeighbourLists::limit() const { return 0.5 * (kShareOfSkin * skin_); }
+
 bool NeighbourLists::may_agree_ahead(const RunState& s, bool rebuilt) const {
   return can_agree_ahead(s) && 0.5 * (rebuilt ? skin_for(s, fastest_) : skin_) >= kStepsOfRoom * fastest_ * s.clock.dt;
 }

@@ -25,6 +25,7 @@ class NeighbourLists {
   /// The skin that lists made now have, for bodies of this speed [m/s]. To be set before ghosts are made.
   void set_skin(const RunState& s, double fastest) { skin_ = skin_for(s, fastest); }
   double skin() const { return skin_; }  ///< [m]
+  double limit() const;                  ///< as far as a body may be from where it was listed [m], in a cell that stays as it is
   /// Lists the pairs of bodies, ghosts and walls.
   void rebuild(RunState& s, Balance& balance);
   std::int64_t rebuilds() const { return rebuilds_; }

@@ -33,6 +33,13 @@ std::vector<ParticleRecord> own_records(const mpi::Communicator& comm, const Sol
   return mine;
 }
 
+/// Steps that may pass before whoever asks for them is heard again: some tenths of a second.
+std::int64_t most_steps_at_once(const RunState& s) {
+  constexpr double kMostBodySteps = 4e6;
+  constexpr double kFewest = 16, kMost = 4096;
+  return static_cast<std::int64_t>(std::clamp(kMostBodySteps / static_cast<double>(s.particles.owned + 1), kFewest, kMost));
+}
+
 }  // namespace
 
 Simulation::Simulation(const mpi::Communicator& comm, const SolverScene& scene, const ParallelOptions& options)
@@ -180,10 +187,11 @@ void Simulation::set_frozen_step() {
   state_.clock.set_level(0);
 }
 
-void Simulation::advance() {
+void Simulation::advance(std::int64_t last) {
   if (state_.scene.is_frozen()) return advance_frozen();
   const std::int64_t next = step() + 1;
-  while (step() < next) advance_substep();
+  last = std::min(last, step() + most_steps_at_once(state_));
+  while (step() < next) advance_substep(last);
   for (const std::unique_ptr<Effect>& effect : state_.effects) needs_lists_ = effect->after_step(parts()) || needs_lists_;
   levels_.review(state_, forces_.scratch(), failure_);
 }
@@ -197,8 +205,28 @@ void Simulation::advance_frozen() {
   for (const std::unique_ptr<Effect>& effect : state_.effects) effect->end_step(parts());
 }
 
-void Simulation::advance_substep() {
+void Simulation::advance_substep(std::int64_t last) {
   move_bodies();
+  bool is_rebuilt = false;
+  do {
+    is_rebuilt = bring_lists_up_to_date();
+  } while (go_on_with_balls(last));
+  forces_.compute(state_, decomposition_, failure_, state_.clock.dt, !is_rebuilt);
+  // a function of a program fails for reasons of the program: the error is of this step, and not of one or two steps later
+  if (outer_forces_ != nullptr && outer_forces_->has_functions()) agree_on_failures();
+  for (const std::unique_ptr<Effect>& effect : state_.effects) effect->before_kick(parts());
+  finish_motion();
+  for (const std::unique_ptr<Effect>& effect : state_.effects) effect->end_step(parts());
+}
+
+/// Steps of balls in one go, until something else is needed in between. Returns whether bodies are in a later step now.
+bool Simulation::go_on_with_balls(std::int64_t last) {
+  if (requests_.pending_signal() != 0 || requests_.is_checkpoint_asked()) return false;
+  return ball_steps_.run(state_, forces_, decomposition_.balance(), failure_, lists_, requests_, last);
+}
+
+/// Bodies have moved: those that leave or come do, and lists are made again where they are used up. Returns whether they were.
+bool Simulation::bring_lists_up_to_date() {
   const bool level_changed = levels_.take_change(), bodies_leave = domain_.review(state_, failure_);
   for_each_effect(&Effect::review);
   inlets_.feed(state_, arrivals_);
@@ -206,12 +234,7 @@ void Simulation::advance_substep() {
   requests_.hear(all);
   if (all.failed != 0) agree_on_failures();
   if (all.rebuild != 0) rebuild_lists(all);
-  forces_.compute(state_, decomposition_, failure_, state_.clock.dt, all.rebuild == 0);
-  // a function of a program fails for reasons of the program: the error is of this step, and not of one or two steps later
-  if (outer_forces_ != nullptr && outer_forces_->has_functions()) agree_on_failures();
-  for (const std::unique_ptr<Effect>& effect : state_.effects) effect->before_kick(parts());
-  finish_motion();
-  for (const std::unique_ptr<Effect>& effect : state_.effects) effect->end_step(parts());
+  return all.rebuild != 0;
 }
 
 void Simulation::move_bodies() {

@@ -16,6 +16,7 @@
 #include "solver/ranks/requests.hpp"
 #include "solver/state/run_state.hpp"
 #include "solver/step/arrivals.hpp"
+#include "solver/step/ball_steps.hpp"
 #include "solver/step/domain.hpp"
 #include "solver/step/force_step.hpp"
 #include "solver/step/inlets.hpp"
@@ -40,8 +41,8 @@ class Simulation {
   /// After a start from records of an older version, once their hash has been compared: PairList::set_axes_of_springs().
   void set_axes_of_springs() { state_.pairs.set_axes_of_springs(state_.scene, state_.particles); }
 
-  /// One step. Collective.
-  void advance();
+  /// One step, or as many as go without a break up to step `last`. Collective.
+  void advance(std::int64_t last = 0);
 
   /// Bodies that join in the next step, see Arrivals::add(). Collective.
   void add_bodies(const std::vector<ParticleRecord>& mine) { arrivals_.add(state_, mine); }
@@ -84,6 +85,7 @@ class Simulation {
   StepLevels& levels() { return levels_; }
   DomainGuard& domain() { return domain_; }
   NeighbourLists& lists() { return lists_; }
+  const BallSteps& ball_steps() const { return ball_steps_; }
   Decomposition& decomposition() { return decomposition_; }
   PhaseTimes& times() { return state_.times; }
 
@@ -97,7 +99,9 @@ class Simulation {
 
  private:
   void begin(const std::vector<ParticleRecord>& records, std::int64_t step, double step_size, bool is_cut);
-  void advance_substep();
+  void advance_substep(std::int64_t last);
+  bool go_on_with_balls(std::int64_t last);
+  bool bring_lists_up_to_date();
   void advance_frozen();
   void freeze();
   void set_frozen_step();
@@ -120,6 +124,7 @@ class Simulation {
   Requests requests_;
   FirstFailure failure_;  // of this rank; all ranks stop together, a step or two later
   ForceStep forces_;
+  BallSteps ball_steps_;
   OuterForces* outer_forces_ = nullptr;  // among the effects of the state; null: there are none
   bool needs_lists_ = false;             // an effect has changed since the last step what they were made for
   std::function<void()> agree_;          // as effects call them

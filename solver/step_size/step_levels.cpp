@@ -130,15 +130,12 @@ void StepLevels::change(RunState& s, std::int64_t level, const std::string& reas
 }
 
 void check_displacement(const RunState& s, const std::function<std::string(std::size_t)>& cause_of) {
-  // Two bodies must not pass each other between two searches for neighbours: at this share of its radius a step, what a body could
-  // miss is smaller than the skin of the lists. Pairs that are listed are watched by evaluate_pairs.
-  constexpr double kRadiusPerStep = 0.1;
   if (!(s.clock.size.contact_time > 0)) return;  // nothing can meet
   const ParticleSet& p = s.particles;
   const double dt = s.clock.dt;
   const std::size_t i = find_row_that_goes_far(p, dt, kRadiusPerStep, 0, p.owned);
   if (i == p.owned) return;
-  std::string cause = cause_of(i);
+  std::string cause = cause_of ? cause_of(i) : std::string();
   if (cause.empty()) cause = fmt::format("give a step of at most {:.3g} s", kRadiusPerStep * p.radius[i] / length(p.v[i]));
   throw RunInvalid(
       "step {}: body {} moves {:.3g} m in a step of {:.3g} s, more than a tenth of its radius of {:.3g} m; it could pass through "

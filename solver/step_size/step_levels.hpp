@@ -42,8 +42,12 @@ class StepLevels {
   std::vector<StepChange> changes_;
 };
 
+// Two bodies must not pass each other between two searches for neighbours: at this share of its radius a step, what a body could miss is
+// smaller than the skin of the lists. Pairs that are listed are watched by evaluate_pairs.
+inline constexpr double kRadiusPerStep = 0.1;
+
 /// Throws RunInvalid for the first body that moves so far in a step that it could miss another.
-/// in   cause_of   why a body, by its row, moves so far, and what to do; "": a shorter step cures it
+/// in   cause_of   why a body, by its row, moves so far, and what to do; "", or none: a shorter step cures it
 void check_displacement(const RunState& s, const std::function<std::string(std::size_t)>& cause_of);
 
 }  // namespace scree

@@ -1,0 +1,182 @@
+// Steps of balls that go without a break, against single steps: the same bits of bodies, springs and totals, wherever the breaks are.
+#include "solver/step/ball_steps.hpp"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <random>
+
+#include "core/distance/triangle_distance.hpp"
+#include "tests/solver/falling_balls.hpp"
+#include "tests/solver/lane_bits.hpp"
+
+namespace scree {
+namespace {
+
+using namespace test;
+
+enum class Way { single, at_once, by_chance };
+
+/// What a run has become after so many steps.
+struct End {
+  std::unique_ptr<TestRun> run;
+  std::string hash;
+  double share = 0;  ///< of the steps that went without a break
+};
+
+End run_scene(const Scene& scene, std::int64_t steps, Way way, unsigned seed = 1) {
+  End end{std::make_unique<TestRun>(scene), {}};
+  end.run->start();
+  Simulation& simulation = *end.run->simulation;
+  std::mt19937 random(seed);
+  while (simulation.step() < steps) {
+    const std::int64_t now = simulation.step();
+    std::int64_t last = way == Way::single ? now + 1 : steps;
+    if (way == Way::by_chance) last = std::min<std::int64_t>(steps, now + std::uniform_int_distribution<std::int64_t>(1, 40)(random));
+    simulation.advance(last);
+    EXPECT_LE(simulation.step(), last);
+    // whatever is read in between changes nothing
+    if (way == Way::by_chance && random() % 4 == 0) {
+      EXPECT_GT(simulation.state().pairs.pairs().size(), 0u);
+    }
+  }
+  simulation.agree_on_failures();
+  end.hash = state_hash(simulation.state());
+  end.share = static_cast<double>(simulation.ball_steps().count()) / static_cast<double>(steps);
+  return end;
+}
+
+void expect_same_ends(const End& a, const End& b) {
+  const RunState &mine = a.run->simulation->state(), &other = b.run->simulation->state();
+  EXPECT_EQ(a.hash, b.hash);
+  expect_same_bodies(mine.particles, other.particles);
+  for (std::size_t i = 0; i < mine.particles.size(); ++i) EXPECT_EQ(mine.particles.dissipated[i], other.particles.dissipated[i]) << i;
+  EXPECT_EQ(mine.totals.max_overlap_ratio, other.totals.max_overlap_ratio);
+  EXPECT_EQ(mine.totals.walls.work.value(), other.totals.walls.work.value());
+  EXPECT_EQ(mine.totals.walls.dissipated.value(), other.totals.walls.dissipated.value());
+  for (std::size_t w = 0; w < mine.totals.walls.impulse.size(); ++w) {
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_EQ(mine.totals.walls.impulse[w][k].value(), other.totals.walls.impulse[w][k].value()) << w;
+  }
+}
+
+class BallStepsOfALaw : public testing::TestWithParam<ContactLaw> {};
+
+TEST_P(BallStepsOfALaw, have_the_bits_of_single_steps) {
+  for (const double friction : {0.0, 0.5}) {
+    SCOPED_TRACE(fmt::format("friction {}", friction));
+    const Scene scene = falling_balls(GetParam(), friction, false);
+    const End single = run_scene(scene, 3000, Way::single), at_once = run_scene(scene, 3000, Way::at_once);
+    EXPECT_EQ(single.share, 0);
+    EXPECT_GT(at_once.share, 0.7);
+    expect_same_ends(single, at_once);
+    for (const unsigned seed : {1u, 2u, 3u}) {
+      const End by_chance = run_scene(scene, 3000, Way::by_chance, seed);
+      EXPECT_GT(by_chance.share, 0.4);
+      expect_same_ends(single, by_chance);
+    }
+  }
+}
+
+TEST_P(BallStepsOfALaw, have_the_bits_of_single_steps_where_balls_roll) {
+  Scene scene = falling_balls(GetParam(), 0.5, false);
+  for (MaterialPair& pair : scene.pairs) {
+    pair.rolling_friction = 0.05;
+    pair.torsional_friction = 0.02;
+  }
+  const End single = run_scene(scene, 2000, Way::single), at_once = run_scene(scene, 2000, Way::at_once);
+  EXPECT_GT(at_once.share, 0.7);
+  expect_same_ends(single, at_once);
+}
+
+INSTANTIATE_TEST_SUITE_P(BallSteps, BallStepsOfALaw,
+                         testing::Values(ContactLaw::linear, ContactLaw::hunt_crossley, ContactLaw::hertz_mindlin));
+
+TEST(BallSteps, have_the_same_bits_on_every_instruction_set_and_any_threads) {
+  const Scene scene = falling_balls(ContactLaw::hertz_mindlin, 0.5, false);
+  const End single = run_scene(scene, 1500, Way::single);
+  const int threads = omp_get_max_threads();
+  for (const char* name : {"best", "avx512", "avx2", "sse4", "scalar"}) {
+    try {
+      limit_simd(name);
+    } catch (const UsageError&) {
+      continue;
+    }
+    for (const int count : {1, 2, 3}) {
+      SCOPED_TRACE(fmt::format("{}, {} threads", name, count));
+      omp_set_num_threads(count);
+      const End at_once = run_scene(scene, 1500, Way::at_once);
+      EXPECT_GT(at_once.share, 0.7);
+      expect_same_ends(single, at_once);
+    }
+  }
+  limit_simd("best");
+  omp_set_num_threads(threads);
+}
+
+// Faster impacts than the step was made for limit damping, which lanes leave to the general path: it breaks the steps.
+TEST(BallSteps, end_where_a_pair_needs_the_general_path) {
+  Scene scene = falling_balls(ContactLaw::hunt_crossley, 0.5, false);
+  scene.settings.impact_speed = 0.02;
+  for (MaterialPair& pair : scene.pairs) {
+    pair.restitution = 0.1;
+    pair.restitution_speed = 0.02;
+  }
+  const End single = run_scene(scene, 1500, Way::single), at_once = run_scene(scene, 1500, Way::at_once);
+  EXPECT_GT(at_once.share, 0);
+  EXPECT_LT(at_once.share, 0.9);
+  expect_same_ends(single, at_once);
+}
+
+// Bodies that leave do so in the step in which they would have left.
+TEST(BallSteps, end_where_bodies_are_reviewed) {
+  Scene scene = falling_balls(ContactLaw::hertz_mindlin, 0.5, false);
+  scene.settings.domain.bounded = true;
+  scene.settings.domain.lower = {-1, -1, -1};
+  scene.settings.domain.upper = {1, 1, 0.12};
+  scene.settings.domain.outside = Outside::remove;
+  const End single = run_scene(scene, 1500, Way::single), at_once = run_scene(scene, 1500, Way::at_once);
+  EXPECT_LT(single.run->simulation->state().particles.size(), scene.bodies.size()) << "some leave";
+  EXPECT_GT(at_once.share, 0.5);
+  expect_same_ends(single, at_once);
+}
+
+TEST(BallSteps, are_not_taken_where_something_else_happens_in_a_step) {
+  const auto share_of = [](const std::function<void(Scene&)>& change) {
+    Scene scene = falling_balls(ContactLaw::hertz_mindlin, 0.5, false);
+    change(scene);
+    return run_scene(scene, 200, Way::at_once).share;
+  };
+  EXPECT_GT(share_of([](Scene&) {}), 0.7);
+  EXPECT_EQ(share_of([](Scene& s) { s.settings.output_impacts = true; }), 0);
+  EXPECT_EQ(share_of([](Scene& s) { s.settings.sleep = true; }), 0);
+  EXPECT_EQ(share_of([](Scene& s) { s.settings.step_control = StepControl::quantised; }), 0);
+  EXPECT_EQ(share_of([](Scene& s) { s.settings.integrator = Integrator::euler; }), 0);
+  EXPECT_EQ(share_of([](Scene& s) { s.settings.on_overlap = OnOverlap::proceed; }), 0);
+  EXPECT_EQ(share_of([](Scene& s) {
+    s.walls.back().motion.kind = Translate{.axis = {0, 0, 1}, .rate = 0.01};
+    s.walls.back().motion.stop = 1e300;
+  }), 0);
+}
+
+// The error names the step and the pair that single steps name: of contacts too deep, and of bodies too fast.
+TEST(BallSteps, end_with_the_error_of_single_steps) {
+  for (const double g : {-3e4, -4e6}) {
+    Scene scene = falling_balls(ContactLaw::hertz_mindlin, 0.5, false);
+    scene.settings.gravity = {0, 0, g};
+    const auto error_of = [&scene](Way way) -> std::string {
+      try {
+        run_scene(scene, 4000, way);
+      } catch (const Error& error) {
+        return error.what();
+      }
+      return {};
+    };
+    const std::string single = error_of(Way::single);
+    EXPECT_NE(single.find(g > -1e6 ? "touch to" : "moves"), std::string::npos) << "error: " << single;
+    EXPECT_EQ(error_of(Way::at_once), single);
+  }
+}
+
+}  // namespace
+}  // namespace scree
