@@ -166,6 +166,7 @@ TEST(BallSteps, end_with_the_error_of_single_steps) {
     scene.settings.gravity = {0, 0, is_soft ? -10 : -4e6};
     if (is_soft) {
       scene.settings.step = 1e-4;
+      scene.settings.surface = TouchAt::drawn;
       for (MaterialPair& pair : scene.pairs) {
         pair.stiffness = 2;
         pair.modulus = 0;
