@@ -3,7 +3,6 @@
 #include "solver/bodies/body_passes.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "solver/bodies/body_passes.cpp"
@@ -114,19 +113,6 @@ HWY_NOINLINE RowsMoved find_moved(const ParticleSet& p, double limit_squared, st
   return found;
 }
 
-HWY_NOINLINE double find_farthest(const ParticleSet& p, std::size_t begin, std::size_t end) {
-  Lane farthest(0.0);
-  for (std::size_t i = begin; i < end; i += kLanes) {
-    const Lane3 moved = column(&p.x[i], end - i) - column(&p.x_listed[i], end - i);
-    const Lane squared = dot(moved, moved);
-    farthest = select(squared <= farthest, farthest, squared);  // one that is no number stays
-    if (any(!(farthest <= Lane(std::numeric_limits<double>::max())))) return std::numeric_limits<double>::infinity();
-  }
-  alignas(64) double all[kLanes];
-  farthest.store(all);
-  return *std::max_element(all, all + kLanes);
-}
-
 }  // namespace scree::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -138,7 +124,6 @@ HWY_EXPORT(add_dissipation);
 HWY_EXPORT(add_way);
 HWY_EXPORT(find_far);
 HWY_EXPORT(find_moved);
-HWY_EXPORT(find_farthest);
 
 }  // namespace
 
@@ -153,10 +138,6 @@ void add_way_of_rows(const ParticleSet& p, double rounding, std::size_t begin, s
 
 std::size_t find_row_that_goes_far(const ParticleSet& p, double dt, double share, std::size_t begin, std::size_t end) {
   return HWY_DYNAMIC_DISPATCH(find_far)(p, dt, share, begin, end);
-}
-
-double find_farthest_from_list(const ParticleSet& p, std::size_t begin, std::size_t end) {
-  return HWY_DYNAMIC_DISPATCH(find_farthest)(p, begin, end);
 }
 
 RowsMoved find_rows_moved(const ParticleSet& p, double limit_squared, std::size_t begin, std::size_t end) {

@@ -22,9 +22,6 @@ void add_way_of_rows(const ParticleSet& p, double rounding, std::size_t begin, s
 /// The first row whose body goes farther than `share` of its radius in a time dt, of bodies that have a radius; `end` where none does.
 std::size_t find_row_that_goes_far(const ParticleSet& p, double dt, double share, std::size_t begin, std::size_t end);
 
-/// The largest squared distance from p.x_listed [m^2]; infinite where one is no number.
-double find_farthest_from_list(const ParticleSet& p, std::size_t begin, std::size_t end);
-
 struct RowsMoved {
   bool beyond = false;       ///< some body is farther from where it was listed than the limit, or nowhere (not a number)
   double squared_speed = 0;  ///< largest [m^2/s^2]

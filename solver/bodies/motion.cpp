@@ -172,13 +172,11 @@ void kick_row(ParticleSet& p, double h, std::size_t i) {
   p.w[i] = p.isotropic[i] != 0 ? p.inverse_inertia[i].x * p.L[i] : angular_velocity(p.q[i], p.inverse_inertia[i], p.L[i]);
 }
 
-void kick_rows(ParticleSet& p, double h, std::size_t begin, std::size_t end) {
-  for (std::size_t i = kick_in_lanes(p, h, begin, end); i < end; ++i) kick_row(p, h, i);
-}
-
 void kick(ParticleSet& p, double h) {
 #pragma omp parallel
-  for_awake_rows_of_thread(p, [&](std::size_t begin, std::size_t end) { kick_rows(p, h, begin, end); });
+  for_awake_rows_of_thread(p, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = kick_in_lanes(p, h, begin, end); i < end; ++i) kick_row(p, h, i);
+  });
 }
 
 template <class Rotor>
@@ -193,17 +191,15 @@ void kick_and_drift_row(ParticleSet& p, double kick_time, double h, std::size_t 
 
 /// A kick over `kick_time`, then the drift over h: in one pass, since the angular velocity in between is not needed.
 template <class Rotor>
-void kick_and_drift_rows(ParticleSet& p, double kick_time, double h, std::size_t begin, std::size_t end) {
-  while (begin < end) {
-    begin = drift_in_lanes(p, kick_time, h, std::is_same_v<Rotor, DlmRotor>, begin, end);
-    for (const std::size_t plain = std::min(end, begin + kMaxDriftLanes); begin < plain; ++begin)
-      kick_and_drift_row<Rotor>(p, kick_time, h, begin);
-  }
-}
-template <class Rotor>
 void kick_and_drift(ParticleSet& p, double kick_time, double h) {
 #pragma omp parallel
-  for_awake_rows_of_thread(p, [&](std::size_t begin, std::size_t end) { kick_and_drift_rows<Rotor>(p, kick_time, h, begin, end); });
+  for_awake_rows_of_thread(p, [&](std::size_t begin, std::size_t end) {
+    while (begin < end) {
+      begin = drift_in_lanes(p, kick_time, h, std::is_same_v<Rotor, DlmRotor>, begin, end);
+      for (const std::size_t plain = std::min(end, begin + kMaxDriftLanes); begin < plain; ++begin)
+        kick_and_drift_row<Rotor>(p, kick_time, h, begin);
+    }
+  });
 }
 
 }  // namespace
@@ -236,11 +232,6 @@ void end_step(Integrator integrator, ParticleSet& p, double h, const FluidForces
   else
     kick(p, 0.5 * h);
 }
-
-void begin_step_of_balls(ParticleSet& p, double h, std::size_t begin, std::size_t end) {
-  kick_and_drift_rows<DlmRotor>(p, 0.5 * h, h, begin, end);
-}
-void end_step_of_balls(ParticleSet& p, double h, std::size_t begin, std::size_t end) { kick_rows(p, 0.5 * h, begin, end); }
 
 void rotate_freely(Integrator integrator, const Vec3& inertia, const Vec3& inverse_inertia, bool isotropic, double h, Vec3& L, Quat& q,
                    Quat& remainder, Vec3& w) {

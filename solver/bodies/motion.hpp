@@ -32,10 +32,6 @@ void begin_step(Integrator integrator, ParticleSet& p, double h, const FluidForc
 /// The part after: v and L reach the full step; w follows.
 void end_step(Integrator integrator, ParticleSet& p, double h, const FluidForces* fluid = nullptr);
 
-/// The same of rows [begin, end), all of them with equal moments, by one thread; not for euler.
-void begin_step_of_balls(ParticleSet& p, double h, std::size_t begin, std::size_t end);
-void end_step_of_balls(ParticleSet& p, double h, std::size_t begin, std::size_t end);
-
 /// One body's free rotation: q with its remainder, L and w after h. L changes (in rounding at least) with rig and spiral only.
 void rotate_freely(Integrator integrator, const Vec3& inertia, const Vec3& inverse_inertia, bool isotropic, double h, Vec3& L, Quat& q,
                    Quat& remainder, Vec3& w);

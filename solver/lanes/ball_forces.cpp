@@ -24,13 +24,18 @@
 HWY_BEFORE_NAMESPACE();
 namespace scree::HWY_NAMESPACE {
 
+/// A vector of the balls of some pairs, from rows where there are some.   in   first   its place in a row
+HWY_INLINE Lane3 vector_of_a(const BallScene& scene, const std::int32_t* rows, std::size_t first, const std::vector<Vec3>& column) {
+  return scene.rows != nullptr ? load_vector<Of::one>(scene, first, rows, rows) : Rows(rows).of(column);
+}
+
 template <bool kWall>
 void gaps_of(const BallScene& scene, const BallPairs& pairs, double* gap) {
   for (std::size_t k = 0; k < pairs.count; k += kLanes) {
     const Rows a(&pairs.a(k));
     const Lane radius = a.of(scene.p.ball_radius);
     if constexpr (kWall) {
-      at_wall(scene, a.of(scene.p.x), radius, WallRows(scene.walls, &pairs.b(k))).gap.store(gap + k);
+      at_wall(scene, vector_of_a(scene, &pairs.a(k), 0, scene.p.x), radius, WallRows(scene.walls, &pairs.b(k))).gap.store(gap + k);
     } else {
       const Rows b(&pairs.b(k));
       const OfPair pair{radius, b.of(scene.p.ball_radius), {}, {}, {}, {}, {}};
@@ -140,10 +145,9 @@ HWY_INLINE LanesFound forces_in_lanes(const BallScene& scene, double dt, const B
       w = load_vector<Of::one>(scene, 8, rows, rows);
       at = at_wall(scene, x, pair.radius_a, OneWall(scene.walls[static_cast<std::size_t>(pairs.b(0))]));
     } else {
-      const Rows a(rows);
-      x = a.of(scene.p.x);
-      v = a.of(scene.p.v);
-      w = a.of(scene.p.w);
+      x = vector_of_a(scene, rows, 0, scene.p.x);
+      v = vector_of_a(scene, rows, 4, scene.p.v);
+      w = vector_of_a(scene, rows, 8, scene.p.w);
       at = at_wall(scene, x, pair.radius_a, WallRows(scene.walls, &pairs.b(k)));
     }
     gap = at.gap;

@@ -36,7 +36,7 @@ HWY_INLINE BallsApart apart(const BallScene& scene, const BallPairs& pairs, std:
     const Lane zero(0.0);
     return vb + velocity_along(scene.p.cell, Lane3{zero, zero, zero} - between);
   };
-  if constexpr (kRows) {
+  if (kRows || scene.rows != nullptr) {
     BallsApart balls;
     if (scene.periodicity.any())
       balls.between = image(load_vector<Of::one>(scene, 0, a, a), load_vector<Of::one>(scene, 0, b, b));

@@ -1,13 +1,10 @@
 // The kernel of ball_motion.hpp, compiled once for every instruction set (Highway's foreach_target), for the baseline, never with
 // -march=native. Sums go four numbers of one body at a time, motion goes one body in each lane: between them the sums of as many bodies as
-// there are lanes lie in rows on the stack. Rows that do not fill a vector go by the passes that do one thing each.
+// there are lanes lie in rows on the stack.
 #include "solver/lanes/ball_motion.hpp"
 
 #include <algorithm>
 #include <array>
-
-#include "solver/bodies/body_passes.hpp"
-#include "solver/bodies/motion.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "solver/lanes/ball_motion.cpp"
@@ -25,101 +22,131 @@ namespace scree::HWY_NAMESPACE {
 using OnBody = BallRow;
 enum : std::size_t { kForce = 0, kTorque = 4, kLost = 8, kLostTorque = 12 };
 
-HWY_INLINE Lane3 load_rows(const OnBody* on, std::size_t first) {
-  alignas(64) static constexpr std::array<std::int32_t, 8> kOrder{0, 1, 2, 3, 4, 5, 6, 7};
+HWY_INLINE Lane3 load_rows(const BallRow* rows, std::size_t first) {
+  alignas(64) static constexpr std::array<std::int32_t, BallGroup::kBalls> kOrder{0, 1, 2, 3, 4, 5, 6, 7};
   Lane column[4];
-  load_quarters<Of::one>(on, kOrder.data(), kOrder.data(), first, column);
+  load_quarters<Of::one>(rows, kOrder.data(), kOrder.data(), first, column);
   return {column[0], column[1], column[2]};
 }
 
+// kLanes balls of a group from place `at` on
+HWY_INLINE Lane3 load_three(const std::array<BallGroup::Eight, 3>& from, std::size_t at) {
+  return {Lane::load(&from[0][at]), Lane::load(&from[1][at]), Lane::load(&from[2][at])};
+}
+HWY_INLINE void store_three(const Lane3& v, std::size_t at, std::array<BallGroup::Eight, 3>& to) {
+  v.x.store(&to[0][at]);
+  v.y.store(&to[1][at]);
+  v.z.store(&to[2][at]);
+}
+HWY_INLINE LaneQuat load_four(const std::array<BallGroup::Eight, 4>& from, std::size_t at) {
+  return {Lane::load(&from[0][at]), Lane::load(&from[1][at]), Lane::load(&from[2][at]), Lane::load(&from[3][at])};
+}
+HWY_INLINE void store_four(const LaneQuat& q, std::size_t at, std::array<BallGroup::Eight, 4>& to) {
+  q.w.store(&to[0][at]);
+  q.x.store(&to[1][at]);
+  q.y.store(&to[2][at]);
+  q.z.store(&to[3][at]);
+}
+
+/// Sums of kLanes bodies from `begin` on; of bodies that are none, nothing. Returns whether some were in columns.
 template <bool kRolls, bool kAsks>
-HWY_INLINE void sum_some(const BallMotion& motion, const Numbers& gravity, std::size_t begin, std::size_t end, const ParticleSet& p,
-                         OnBody* on) {
+HWY_INLINE bool sum_some(const BallMotion& motion, const BallGroup& group, const Numbers& gravity, std::size_t begin, OnBody* on) {
+  const ParticleSet& p = motion.p;
+  bool from_columns = false;
   for (std::size_t k = 0; k < kLanes; ++k) {
-    const std::size_t i = begin + k;
-    if (kAsks && i + kBodiesAhead < end) ask_for_slots(motion.sums, i + kBodiesAhead);
-    if (HWY_UNLIKELY(motion.summed[i] != 0)) {
-      on[k] = {{p.force[i]}, {p.torque[i]}, {p.dissipative_force[i]}, {p.dissipative_torque[i]}};
+    const std::size_t i = begin + k, at = i % BallGroup::kBalls;
+    if (HWY_UNLIKELY(i >= p.owned)) {
+      on[k] = {};
       continue;
     }
-    OnBall sum = sum_on_ball<kRolls>(motion.sums, i, p.ball_radius[i]);
-    sum.force.add_scaled_vector(gravity, p.mass[i]);
+    if (kAsks && i + kBodiesAhead < p.owned) ask_for_slots(motion.sums, i + kBodiesAhead);
+    if (HWY_UNLIKELY(motion.summed[i] != 0)) {
+      on[k] = {{p.force[i]}, {p.torque[i]}, {p.dissipative_force[i]}, {p.dissipative_torque[i]}};
+      from_columns = true;
+      continue;
+    }
+    OnBall sum = sum_on_ball<kRolls>(motion.sums, i, group.radius[at]);
+    sum.force.add_scaled_vector(gravity, group.mass[at]);
     double* const row = &on[k].x.v.x;
     sum.force.store(row + kForce);
     sum.torque.store(row + kTorque);
     sum.lost.store(row + kLost);
     sum.torque.store(row + kLostTorque);
   }
+  return from_columns;
 }
 
 template <bool kRolls, bool kAsks>
-double move_rows(const BallMotion& motion, std::size_t begin, std::size_t end, ParticleSet& p) {
-  const Lane zero(0.0), step(motion.dt), half_step(0.5 * motion.dt), time(-motion.dt);
+BallsMoved move_groups(const BallMotion& motion, std::size_t begin, std::size_t end) {
+  const Lane zero(0.0), step(motion.dt), half_step(0.5 * motion.dt), time(-motion.dt), share(motion.share / motion.dt);
   Numbers gravity;
   alignas(32) const double of_gravity[4] = {motion.gravity.x, motion.gravity.y, motion.gravity.z, 0};
   for (std::size_t j = 0; j < 4 / kWidth; ++j) gravity.part[j] = hn::Load(Four(), of_gravity + kWidth * j);
   Lane fastest = zero;
+  BallsMoved moved;
   alignas(128) OnBody on[kLanes];
-  for (std::size_t i = begin; i < end; i += kLanes) {
-    sum_some<kRolls, kAsks>(motion, gravity, i, end, p, on);
-    const Lane inverse_mass = Lane::load(&p.inverse_mass[i]), rate_of_w = load(&p.inverse_inertia[i]).x;
+  for (std::size_t i = begin * BallGroup::kBalls; i < end * BallGroup::kBalls; i += kLanes) {
+    const std::size_t at = i % BallGroup::kBalls;
+    BallGroup& group = motion.groups[i / BallGroup::kBalls];
+    const bool from_columns = sum_some<kRolls, kAsks>(motion, group, gravity, i, on);
+    const Lane inverse_mass = Lane::load(&group.inverse_mass[at]), rate_of_w = Lane::load(&group.inverse_inertia[at]);
     const auto moves = inverse_mass > zero, turns = rate_of_w > zero;
-    const bool all_turn = !any(!turns);
     const Lane3 force = load_rows(on, kForce), torque = load_rows(on, kTorque);
 
     // the second kick of the step, kick_row() of motion.cpp
-    const Lane3 v0 = load(&p.v[i]), L0 = load(&p.L[i]), push = (half_step * inverse_mass) * force, turning = half_step * torque;
+    const Lane3 v0 = load_three(group.v, at), L0 = load_three(group.L, at);
+    const Lane3 push = (half_step * inverse_mass) * force, turning = half_step * torque;
     const Lane3 v1 = select(moves, v0 + push, v0), L1 = L0 + turning;
-    const Lane3 w0 = all_turn ? Lane3{zero, zero, zero} : load(&p.w[i]), w1 = select(turns, rate_of_w * L1, w0);
+    const Lane3 w0 = any(!turns) ? load_rows(motion.rows + i, 8) : Lane3{zero, zero, zero}, w1 = select(turns, rate_of_w * L1, w0);
 
     // add_dissipation_of_rows()
-    const Lane power = dot(load_rows(on, kLost), v1) + dot(load_rows(on, kLostTorque), w1);
-    (Lane::load(&p.dissipated[i]) + select(moves, time * power, zero)).store(&p.dissipated[i]);
+    const Lane3 lost_torque = HWY_UNLIKELY(from_columns) ? load_rows(on, kLostTorque) : torque;
+    const Lane power = dot(load_rows(on, kLost), v1) + dot(lost_torque, w1);
+    (Lane::load(&group.dissipated[at]) + select(moves, time * power, zero)).store(&group.dissipated[at]);
 
     // the first kick of the next step and its drift, kick_and_drift_row()
-    const Lane3 v2 = v1 + push, way = step * v2, x0 = load(&p.x[i]), left0 = load(&p.x_remainder[i]);
+    const Lane3 v2 = v1 + push, way = step * v2, x0 = load_three(group.x, at), left0 = load_three(group.x_remainder, at);
     Lane3 x = x0, left = left0;
     advance(x.x, left.x, way.x);
     advance(x.y, left.y, way.y);
     advance(x.z, left.z, way.z);
     const Lane3 v = select(moves, v2, v1);
     x = select(moves, x, x0);
-    store(v, &p.v[i]);
-    store(x, &p.x[i]);
-    store(select(moves, left, left0), &p.x_remainder[i]);
+    store_three(v, at, group.v);
+    store_three(x, at, group.x);
+    store_three(select(moves, left, left0), at, group.x_remainder);
 
     const Lane3 L2 = L1 + turning, spin = rate_of_w * L2, w = select(turns, spin, w1);
     const Lane rate = length(spin);
     const auto rotates = turns & (rate > zero);
-    const LaneQuat q0 = load(&p.q[i]), rest0 = load(&p.q_remainder[i]);
+    const LaneQuat q0 = load_four(group.q, at), rest0 = load_four(group.q_remainder, at);
     LaneQuat q = q0, rest = rest0;
     turn_about(spin, rate, step, q, rest);
-    store(select(turns, L2, L0), &p.L[i]);
-    store(w, &p.w[i]);
-    store(select(rotates, q, q0), &p.q[i]);
-    store(select(rotates, rest, rest0), &p.q_remainder[i]);
+    store_three(select(turns, L2, L0), at, group.L);
+    store_four(select(rotates, q, q0), at, group.q);
+    store_four(select(rotates, rest, rest0), at, group.q_remainder);
 
     double* const rows = &motion.rows[i].x.v.x;
     constexpr std::size_t kStride = sizeof(BallRow) / sizeof(double);
-    const Lane radius = Lane::load(&p.ball_radius[i]);
+    const Lane radius = Lane::load(&group.radius[at]), most = share * radius;
     store_rows(x, zero, rows, kStride);
     store_rows(v, zero, rows + 4, kStride);
     store_rows(w, zero, rows + 8, kStride);
     store_rows(radius * w, zero, rows + 12, kStride);
-    const Lane speed = dot(v, v);
-    fastest = Lane{select(speed > fastest, speed, fastest)};
+    const Lane squared = dot(v, v);
+    fastest = Lane{select(squared > fastest, squared, fastest)};
+    if (any(squared > most * most)) moved.go_far = true;
   }
   alignas(64) double speeds[kLanes];
   fastest.store(speeds);
-  return *std::max_element(speeds, speeds + kLanes);
+  moved.squared_speed = *std::max_element(speeds, speeds + kLanes);
+  return moved;
 }
 
-/// As far as whole vectors go.   out   done   the first row that is left
-HWY_NOINLINE double move_whole_vectors(const BallMotion& motion, std::size_t begin, std::size_t end, ParticleSet& p, std::size_t& done) {
-  done = begin + (end - begin) / kLanes * kLanes;
+HWY_NOINLINE BallsMoved move_range(const BallMotion& motion, std::size_t begin, std::size_t end) {
   const bool asks = asks_for_slots(motion.sums);
-  if (motion.sums.moments != nullptr) return asks ? move_rows<true, true>(motion, begin, done, p) : move_rows<true, false>(motion, begin, done, p);
-  return asks ? move_rows<false, true>(motion, begin, done, p) : move_rows<false, false>(motion, begin, done, p);
+  if (motion.sums.moments != nullptr) return asks ? move_groups<true, true>(motion, begin, end) : move_groups<true, false>(motion, begin, end);
+  return asks ? move_groups<false, true>(motion, begin, end) : move_groups<false, false>(motion, begin, end);
 }
 
 }  // namespace scree::HWY_NAMESPACE
@@ -128,22 +155,64 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace scree {
 namespace {
-HWY_EXPORT(move_whole_vectors);
+
+HWY_EXPORT(move_range);
+
+void put(const Vec3& from, std::size_t n, std::array<BallGroup::Eight, 3>& to) {
+  to[0][n] = from.x;
+  to[1][n] = from.y;
+  to[2][n] = from.z;
+}
+void put(const Quat& from, std::size_t n, std::array<BallGroup::Eight, 4>& to) {
+  to[0][n] = from.w;
+  to[1][n] = from.x;
+  to[2][n] = from.y;
+  to[3][n] = from.z;
+}
+Vec3 vector_of(const std::array<BallGroup::Eight, 3>& from, std::size_t n) { return {from[0][n], from[1][n], from[2][n]}; }
+Quat quaternion_of(const std::array<BallGroup::Eight, 4>& from, std::size_t n) { return {from[0][n], from[1][n], from[2][n], from[3][n]}; }
+
+}  // namespace
+
+void group_balls(const ParticleSet& p, std::size_t begin, std::size_t end, BallGroup* groups, BallRow* rows) {
+  for (std::size_t g = begin; g < end; ++g) {
+    BallGroup& group = groups[g];
+    for (std::size_t n = 0; n < BallGroup::kBalls; ++n) {
+      const std::size_t i = g * BallGroup::kBalls + n;
+      const bool is_one = i < p.owned;
+      put(is_one ? p.x[i] : Vec3{}, n, group.x);
+      put(is_one ? p.x_remainder[i] : Vec3{}, n, group.x_remainder);
+      put(is_one ? p.v[i] : Vec3{}, n, group.v);
+      put(is_one ? p.L[i] : Vec3{}, n, group.L);
+      put(is_one ? p.q[i] : Quat{}, n, group.q);
+      put(is_one ? p.q_remainder[i] : Quat{0, 0, 0, 0}, n, group.q_remainder);
+      group.dissipated[n] = is_one ? p.dissipated[i] : 0;
+      group.mass[n] = is_one ? p.mass[i] : 1;
+      group.inverse_mass[n] = is_one ? p.inverse_mass[i] : 0;
+      group.inverse_inertia[n] = is_one ? p.inverse_inertia[i].x : 0;
+      group.radius[n] = is_one ? p.ball_radius[i] : 1;
+      rows[i] = is_one ? BallRow{{p.x[i]}, {p.v[i]}, {p.w[i]}, {p.ball_radius[i] * p.w[i]}} : BallRow{};
+    }
+  }
 }
 
-double move_balls(const BallMotion& motion, std::size_t begin, std::size_t end, ParticleSet& p) {
-  std::size_t i = begin;
-  double squared = HWY_DYNAMIC_DISPATCH(move_whole_vectors)(motion, begin, end, p, i);
-  for (std::size_t k = i; k < end; ++k) {
-    if (motion.summed[k] == 0) sum_onto_balls(motion.sums, motion.gravity, k, k + 1, p);
+void ungroup_balls(const BallGroup* groups, const BallRow* rows, std::size_t begin, std::size_t end, ParticleSet& p) {
+  for (std::size_t i = begin * BallGroup::kBalls; i < std::min(end * BallGroup::kBalls, p.owned); ++i) {
+    const BallGroup& group = groups[i / BallGroup::kBalls];
+    const std::size_t n = i % BallGroup::kBalls;
+    p.x[i] = vector_of(group.x, n);
+    p.x_remainder[i] = vector_of(group.x_remainder, n);
+    p.v[i] = vector_of(group.v, n);
+    p.L[i] = vector_of(group.L, n);
+    p.w[i] = rows[i].w.v;
+    p.q[i] = quaternion_of(group.q, n);
+    p.q_remainder[i] = quaternion_of(group.q_remainder, n);
+    p.dissipated[i] = group.dissipated[n];
   }
-  if (i == end) return squared;
-  end_step_of_balls(p, motion.dt, i, end);
-  add_dissipation_of_rows(p, motion.dt, i, end);
-  begin_step_of_balls(p, motion.dt, i, end);
-  collect_ball_rows(p, i, end, motion.rows);
-  for (std::size_t k = i; k < end; ++k) squared = std::max(squared, squared_length(p.v[k]));
-  return squared;
+}
+
+BallsMoved move_balls(const BallMotion& motion, std::size_t begin, std::size_t end) {
+  return HWY_DYNAMIC_DISPATCH(move_range)(motion, begin, end);
 }
 
 }  // namespace scree

@@ -45,7 +45,7 @@ struct BallScene {
   const Periodicity& periodicity;
   const LaneLaws& laws;
   std::vector<BallWall> walls{};  ///< one for each of laws.zones
-  const BallRow* rows = nullptr;  ///< of all bodies of `p` as they are now; null: what pairs read is collected from the columns
+  const BallRow* rows = nullptr;  ///< of all bodies of `p` as they are now; null: what pairs read of these is collected from the columns
 };
 
 /// What a step reads and writes of eight pairs that touch: five lines of the cache, one after another, and those of the next eight after

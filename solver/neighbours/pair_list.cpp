@@ -277,7 +277,10 @@ void PairList::take_out_of_blocks(PairClass which, std::span<const std::int32_t>
     blocks_.take_out(which, pairs);
     list_due_of(pairs, p);
   }
-  begun_[static_cast<std::size_t>(which)].assign(begun.begin(), begun.end());
+  // a pass may be in two parts
+  std::vector<std::int32_t>& all = begun_[static_cast<std::size_t>(which)];
+  all.insert(all.end(), begun.begin(), begun.end());
+  std::sort(all.begin(), all.end());
 }
 
 void PairList::hold_apart(const std::function<bool(const PairKey&)>& which) {

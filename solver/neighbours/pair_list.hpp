@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/search/multilevel_grid.hpp"
-#include "solver/lanes/ball_sums.hpp"
+#include "solver/lanes/ball_motion.hpp"
 #include "solver/neighbours/ball_blocks.hpp"
 #include "solver/neighbours/body_pair.hpp"
 #include "solver/neighbours/travel_bounds.hpp"
@@ -111,9 +111,10 @@ class PairList {
 
   /// Instead of sum_onto_bodies() where all owned bodies are balls and nothing else acts on them: takes them from the forces of a step to
   /// their places in the next (lanes/ball_motion.hpp). Needs filled blocks.
-  /// in   dt   of both steps [s]     out   rows   of the owned bodies
-  /// Returns how fast the fastest of them went [m/s].   Threads: parallel inside.
-  double move_balls(const Vec3& gravity, double dt, ParticleSet& p, std::vector<BallRow>& rows) const;
+  /// in   dt, share   as in BallMotion     in/out   groups, rows   of the owned bodies     out   p   forces of some
+  /// Threads: parallel inside.
+  BallsMoved move_balls(const Vec3& gravity, double dt, double share, ParticleSet& p, std::vector<BallGroup>& groups,
+                        std::vector<BallRow>& rows) const;
 
   /// Drops the lists of candidates of all pairs; results never depend on it (used by tests and after a restart).
   void forget_candidates();

@@ -1,6 +1,7 @@
 // What pairs do to each body, added up (pair_list.hpp).
+#include <omp.h>
+
 #include <algorithm>
-#include <cmath>
 
 #include "solver/lanes/ball_motion.hpp"
 #include "solver/laws/ball.hpp"
@@ -53,16 +54,22 @@ BallSums PairList::sums_of_blocks() const {
           due_.data()};
 }
 
-double PairList::move_balls(const Vec3& gravity, double dt, ParticleSet& p, std::vector<BallRow>& rows) const {
-  const BallMotion motion{sums_of_blocks(), due_others_.data(), gravity, dt, rows.data()};
+BallsMoved PairList::move_balls(const Vec3& gravity, double dt, double share, ParticleSet& p, std::vector<BallGroup>& groups,
+                                std::vector<BallRow>& rows) const {
+  const BallMotion motion{sums_of_blocks(), due_others_.data(), p, gravity, dt, share, groups.data(), rows.data()};
   double squared = 0;
-#pragma omp parallel reduction(max : squared)
-  for_awake_rows_of_thread(p, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
+  bool go_far = false;
+#pragma omp parallel reduction(max : squared) reduction(|| : go_far)
+  {
+    const auto thread = static_cast<std::size_t>(omp_get_thread_num()), threads = static_cast<std::size_t>(omp_get_num_threads());
+    const std::size_t begin = groups.size() * thread / threads, end = groups.size() * (thread + 1) / threads;
+    for (std::size_t i = begin * BallGroup::kBalls; i < std::min(end * BallGroup::kBalls, p.owned); ++i)
       if (due_others_[i] != 0) sum_with_others(i, motion.sums, gravity, p);
-    squared = std::max(squared, scree::move_balls(motion, begin, end, p));
-  });
-  return std::sqrt(squared);
+    const BallsMoved moved = scree::move_balls(motion, begin, end);
+    squared = std::max(squared, moved.squared_speed);
+    go_far = go_far || moved.go_far;
+  }
+  return {squared, go_far};
 }
 
 /// The same sums in the same order. Of a body's entries those alone are met that may have a force. Bodies whose entries are all in blocks

@@ -19,6 +19,7 @@ struct ForceScratch {
   std::vector<ExactSum> released;
   /// One per thread where contacts go on beyond their maximum overlap: evaluate_pairs appends those that do, of the pairs counted here.
   std::vector<std::vector<DeepContact>> deep;
+  std::vector<std::int32_t> left;  ///< of a pass without columns: pairs that wait for these
   std::vector<BallRow> ball_rows;  ///< of a pass over blocks of balls: what pairs read of their bodies
   ForceScratch();
 };

@@ -51,7 +51,8 @@ Deepest evaluate_all(PairPass& pass, std::span<const std::int32_t> which) {
         if (!balls.take(which[n])) evaluation.evaluate(which[n]);
       });
       balls.finish();
-      for (const std::int32_t k : balls.left()) evaluation.evaluate(k);
+      if (pass.has_columns)
+        for (const std::int32_t k : balls.left()) evaluation.evaluate(k);
       finish();
       overlap = balls.largest_overlap();
       too_deep = balls.too_deep();
@@ -61,6 +62,7 @@ Deepest evaluate_all(PairPass& pass, std::span<const std::int32_t> which) {
         {
           begun.insert(begun.end(), mine.begin(), mine.end());
           taken_out.insert(taken_out.end(), balls.left_of_blocks().begin(), balls.left_of_blocks().end());
+          if (!pass.has_columns) pass.scratch.left.insert(pass.scratch.left.end(), balls.left().begin(), balls.left().end());
         }
       }
     } else {
@@ -133,10 +135,18 @@ namespace {
 /// What a pass is for, besides forces.
 enum class Purpose { forces, examination, rest };
 
+/// Which part of a class whose pairs lie in blocks.
+struct BlockPart {
+  std::optional<PairClass> blocks{};                ///< with those in blocks
+  const std::vector<std::int32_t>* due = nullptr;   ///< of the others these alone; scratch.ball_rows are there
+  bool has_columns = true, keeps_blocks = false;    ///< see PairPass; whether blocks stay as they are
+};
+
 double evaluate(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::span<const std::int32_t> which,
                 double dt, double friction_dt, std::int64_t step, ForceScratch& scratch, PairList& list, PairObservers observers,
-                Purpose purpose, std::optional<PairClass> blocks = {}, const std::vector<std::int32_t>* due = nullptr) {
-  if (!blocks) list.write_back();
+                Purpose purpose, const BlockPart& part = {}) {
+  const std::optional<PairClass>& blocks = part.blocks;
+  if (!blocks && !part.keeps_blocks) list.write_back();
   // a barrier makes room for gaps that are otherwise too near to be followed
   const double stop_ratio = scene.source().settings.barrier > 0 ? 1 - kBarrierShare * kMinBarrierGap : kStopOverlapRatio;
   PairPass pass{scene,
@@ -156,11 +166,12 @@ double evaluate(const SolverScene& scene, const ParticleSet& p, const std::vecto
                 purpose == Purpose::examination,
                 purpose == Purpose::rest,
                 blocks,
-                due != nullptr};
+                part.due != nullptr,
+                part.has_columns};
   if (pass.holds != nullptr || scene.law_choice().yields) scratch.released.resize(scratch.distance.size());
   if (pass.continues) scratch.deep.resize(scratch.distance.size());
   Deepest deepest;
-  const std::span<const std::int32_t> listed = due != nullptr ? *due : blocks ? list.blocks().others(*blocks) : which;
+  const std::span<const std::int32_t> listed = part.due != nullptr ? *part.due : blocks ? list.blocks().others(*blocks) : which;
   ContactModels::choose(scene.law_choice().gathering, [&]<class Model>() { deepest = evaluate_all<Model>(pass, listed); });
   if (deepest.too_deep) list.write_back();
   check_pass(pass, which, step, deepest);
@@ -211,13 +222,27 @@ double evaluate_class(const SolverScene& scene, const ParticleSet& p, const std:
                          !any_observes_bodies(observers);
   if (!in_blocks) return evaluate_pairs(scene, p, walls, all, dt, friction_dt, step, scratch, list, observers);
   list.fill_blocks(scene, p, which);
-  return evaluate(scene, p, walls, all, dt, friction_dt, step, scratch, list, observers, Purpose::forces, which);
+  return evaluate(scene, p, walls, all, dt, friction_dt, step, scratch, list, observers, Purpose::forces, {which});
 }
 
 double evaluate_blocks(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, PairClass which,
-                       const std::vector<std::int32_t>& due, double dt, std::int64_t step, ForceScratch& scratch, PairList& list) {
-  const std::vector<std::int32_t>& all = which == PairClass::inner ? list.inner() : which == PairClass::outer ? list.outer() : list.duplicated();
-  return evaluate(scene, p, walls, all, dt, dt, step, scratch, list, {}, Purpose::forces, which, &due);
+                       const std::vector<std::int32_t>& due, double dt, std::int64_t step, ForceScratch& scratch, PairList& list,
+                       const std::function<void()>& write_columns) {
+  const std::vector<std::int32_t>& all = which == PairClass::inner   ? list.inner()
+                                         : which == PairClass::outer ? list.outer()
+                                                                     : list.duplicated();
+  scratch.left.clear();
+  double largest = evaluate(scene, p, walls, all, dt, dt, step, scratch, list, {}, Purpose::forces, {which, &due, false});
+  if (scratch.left.empty()) return largest;
+  write_columns();
+  std::vector<std::int32_t> left = scratch.left, begun;
+  std::sort(left.begin(), left.end());
+  largest = std::max(largest, evaluate(scene, p, walls, left, dt, dt, step, scratch, list, {}, Purpose::forces, {.keeps_blocks = true}));
+  for (const std::int32_t k : left) {
+    if (list.blocks().place_of(k) == BallBlocks::kWaits && list.stored_results()[static_cast<std::size_t>(k)].active) begun.push_back(k);
+  }
+  list.take_out_of_blocks(which, begun, {}, p);
+  return largest;
 }
 
 void evaluate_at_rest(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,

@@ -1,6 +1,7 @@
 // Distances, features and forces of a list of pairs: the heart of a step.
 #pragma once
 
+#include <functional>
 #include <span>
 
 #include "solver/pairs/force_scratch.hpp"
@@ -30,10 +31,12 @@ double evaluate_class(const SolverScene& scene, const ParticleSet& p, const std:
 bool may_use_blocks(const SolverScene& scene, const ParticleSet& p);
 
 /// The same where all pairs of the class lie in blocks or wait for their place there, and scratch.ball_rows are those of the present
-/// places.
-/// in   due   of those that wait, all that may touch
+/// places; the columns of p that change in a step need not be.
+/// in   due             of those that wait, all that may touch
+/// in   write_columns   is called before pairs go the general path, which reads them
 double evaluate_blocks(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, PairClass which,
-                       const std::vector<std::int32_t>& due, double dt, std::int64_t step, ForceScratch& scratch, PairList& list);
+                       const std::vector<std::int32_t>& due, double dt, std::int64_t step, ForceScratch& scratch, PairList& list,
+                       const std::function<void()>& write_columns);
 
 /// Results of pairs whose bodies are at rest: a function of where they are and of their springs, which stay as they are to the last bit.
 /// Evaluated again, it gives the same bits.   Threads: parallel inside.   Ranks: local.

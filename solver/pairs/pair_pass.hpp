@@ -30,6 +30,7 @@ struct PairPass {
   bool at_rest = false;               ///< only results are asked for, of pairs whose springs stay as they are to the bit
   std::optional<PairClass> blocks{};  ///< the pass is over all pairs of this class, those in blocks too
   bool has_ball_rows = false;         ///< scratch.ball_rows are those of the present places already
+  bool has_columns = true;            ///< so are the columns of p; if not, pairs that need these are left in scratch.left
   std::atomic<std::int32_t> intersecting{-1}, passing{-1}, through{-1};
 
   bool is_read_only() const { return examines || at_rest; }

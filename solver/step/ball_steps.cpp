@@ -1,10 +1,11 @@
 #include "solver/step/ball_steps.hpp"
 
+#include <omp.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "solver/bodies/body_passes.hpp"
 #include "solver/built_with.hpp"
 #include "solver/step_size/step_levels.hpp"
 
@@ -24,7 +25,7 @@ std::int64_t next_break(const RunState& s, std::int64_t last) {
 
 }  // namespace
 
-bool BallSteps::may_run(const RunState& s, const NeighbourLists& lists) {
+bool go_without_break(const RunState& s) {
   const ParticleSet& p = s.particles;
   const Settings& settings = s.scene.source().settings;
   if (!built_with::kRotation || s.comm.size() > 1 || !s.effects.empty() || s.fluid || s.clock.level > 0 ||
@@ -32,11 +33,16 @@ bool BallSteps::may_run(const RunState& s, const NeighbourLists& lists) {
       p.cell.deforms() || s.scene.has_driven_walls() || s.scene.has_moving_surfaces() || s.scene.has_answering_walls() ||
       !s.scene.source().inlets.empty() || !may_use_blocks(s.scene, p))
     return false;
-  if (std::exchange(looked_at_, lists.rebuilds()) != lists.rebuilds()) {
-    all_balls_ = p.owned == p.size();
-    for (std::size_t i = 0; i < p.owned && all_balls_; ++i) all_balls_ = p.ball_radius[i] > 0 && p.isotropic[i] != 0;
-  }
-  return all_balls_;
+  for (std::size_t i = 0; i < p.size(); ++i)
+    if (!(p.ball_radius[i] > 0) || p.isotropic[i] == 0) return false;
+  return true;
+}
+
+/// Calls action(begin, end) with the groups of the calling thread. In a parallel region.
+template <class Action>
+void BallSteps::each_share(Action&& action) const {
+  const auto thread = static_cast<std::size_t>(omp_get_thread_num()), threads = static_cast<std::size_t>(omp_get_num_threads());
+  action(groups_.size() * thread / threads, groups_.size() * (thread + 1) / threads);
 }
 
 /// Whether no body can have moved further than the lists allow. The fastest body of each step alone says how far any may be; where that is
@@ -44,20 +50,30 @@ bool BallSteps::may_run(const RunState& s, const NeighbourLists& lists) {
 bool BallSteps::lists_hold(const RunState& s, const NeighbourLists& lists) {
   const double limit = lists.limit();
   if (listed_ + 0.5 * (bound_ - bound_then_) <= limit) return true;
+  const ParticleSet& p = s.particles;
   double squared = 0;
-#pragma omp parallel reduction(max : squared)
-  for_awake_rows_of_thread(s.particles, [&](std::size_t begin, std::size_t end) {
-    squared = std::max(squared, find_farthest_from_list(s.particles, begin, end));
+  bool has_numbers = true;
+#pragma omp parallel reduction(max : squared) reduction(&& : has_numbers)
+  each_share([&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin * BallGroup::kBalls; i < std::min(end * BallGroup::kBalls, p.owned); ++i) {
+      const BallGroup& group = groups_[i / BallGroup::kBalls];
+      const std::size_t n = i % BallGroup::kBalls;
+      const double moved = squared_length(Vec3{group.x[0][n], group.x[1][n], group.x[2][n]} - p.x_listed[i]);
+      squared = std::max(squared, moved);
+      has_numbers = has_numbers && std::isfinite(moved);
+    }
   });
   listed_ = kRounding * std::sqrt(squared);
   bound_then_ = bound_;
-  return listed_ <= limit;
+  return has_numbers && listed_ <= limit;
 }
 
 bool BallSteps::run(RunState& s, ForceStep& forces, Balance& balance, FirstFailure& failure, const NeighbourLists& lists,
                     const Requests& requests, std::int64_t last) {
   last = next_break(s, last);
-  if (last - s.clock.step < kFewest || !may_run(s, lists)) return false;
+  if (last - s.clock.step < kFewest) return false;
+  if (std::exchange(looked_at_, lists.rebuilds()) != lists.rebuilds() || !s.effects.empty()) may_run_ = go_without_break(s);
+  if (!may_run_) return false;
   ParticleSet& p = s.particles;
   s.pairs.fill_blocks(s.scene, p, PairClass::inner);
   if (s.pairs.blocks().count_outside() > 0) {
@@ -71,33 +87,54 @@ bool BallSteps::run(RunState& s, ForceStep& forces, Balance& balance, FirstFailu
 
   bound_ = bound_then_ = 0;
   listed_ = lists.limit();  // asked when it matters
-  const double dt = s.clock.dt, smallest = s.facts.smallest_radius;
-  std::vector<BallRow>& rows = forces.scratch().ball_rows;
-  {
-    const PhaseTimer timer(s.times, Phase::contact);
-    s.pairs.travel().add_motion_of_owned(p);
-    waiting_.begin(s.pairs, PairClass::inner);
-    rows.resize(p.size());
-#pragma omp parallel
-    for_awake_rows_of_thread(p, [&](std::size_t begin, std::size_t end) { collect_ball_rows(p, begin, end, rows.data()); });
-  }
-  bool moved = false;
-  while (s.clock.step < last && !failure.exists() && !requests.is_signal_caught() && lists_hold(s, lists)) {
+  const double dt = s.clock.dt;
+  const std::function<void()> write_columns = [this, &s, &forces] { leave(s, forces); };
+  enter(s, forces);
+  bool moved = false, failed = false;
+  while (s.clock.step < last && !requests.is_signal_caught() && lists_hold(s, lists)) {
     s.pairs.fill_blocks(s.scene, p, PairClass::inner);
     if (s.pairs.blocks().count_outside() > 0) break;
-    forces.compute_balls(s, balance, failure, waiting_.due(bound_, s.pairs));
+    forces.compute_balls(s, balance, failure, waiting_.due(bound_, s.pairs), write_columns);
+    // a single step ends such a one, without its pairs
+    if ((failed = failure.exists())) break;
     waiting_.note(bound_, s.pairs);
     const PhaseTimer timer(s.times, Phase::integrate);
     add_wall_effects(s, dt, s.totals.walls);
-    const double fastest = s.pairs.move_balls(s.scene.source().settings.gravity, dt, p, rows);
+    const BallsMoved found =
+        s.pairs.move_balls(s.scene.source().settings.gravity, dt, kRadiusPerStep, p, groups_, forces.scratch().ball_rows);
     s.clock.advance();
-    bound_ += kRounding * (2 * dt * fastest);
+    bound_ += kRounding * (2 * dt * std::sqrt(found.squared_speed));
     ++count_;
     moved = true;
-    if (fastest * dt > kRadiusPerStep * smallest) failure.watch(s.clock.step, [&] { check_displacement(s, {}); });
+    if (found.go_far) {
+      leave(s, forces);
+      failure.watch(s.clock.step, [&] { check_displacement(s, {}); });
+      if (failure.exists()) break;
+    }
   }
+  leave(s, forces);
   if (moved) s.pairs.travel().add_to_balls(p, 0.5 * bound_);
-  return moved;
+  return moved && !failed;
+}
+
+void BallSteps::enter(RunState& s, ForceStep& forces) {
+  const PhaseTimer timer(s.times, Phase::integrate);
+  const ParticleSet& p = s.particles;
+  s.pairs.travel().add_motion_of_owned(p);
+  waiting_.begin(s.pairs, PairClass::inner);
+  groups_.resize(group_count(p));
+  std::vector<BallRow>& rows = forces.scratch().ball_rows;
+  rows.resize(groups_.size() * BallGroup::kBalls);
+#pragma omp parallel
+  each_share([&](std::size_t begin, std::size_t end) { group_balls(p, begin, end, groups_.data(), rows.data()); });
+}
+
+void BallSteps::leave(RunState& s, ForceStep& forces) {
+  const PhaseTimer timer(s.times, Phase::integrate);
+#pragma omp parallel
+  each_share([&](std::size_t begin, std::size_t end) {
+    ungroup_balls(groups_.data(), forces.scratch().ball_rows.data(), begin, end, s.particles);
+  });
 }
 
 }  // namespace scree

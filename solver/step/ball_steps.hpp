@@ -16,12 +16,15 @@
 
 namespace scree {
 
+/// Whether nothing but pairs of balls and gravity acts in a run, so that its steps may go so. Cost: of a scene of balls, a look at each.
+bool go_without_break(const RunState& s);
+
 class BallSteps {
  public:
   /// Goes on from bodies that have moved in the present step, whose forces are not known, to bodies that have moved in a later one, `last`
   /// at most. Does nothing where single steps are needed.
   /// in   requests   end it
-  /// Returns whether it went on.   Threads: parallel inside.
+  /// Returns whether bodies have moved, and the lists of their new places are to be looked at.   Threads: parallel inside.
   bool run(RunState& s, ForceStep& forces, Balance& balance, FirstFailure& failure, const NeighbourLists& lists,
            const Requests& requests, std::int64_t last);
 
@@ -29,12 +32,17 @@ class BallSteps {
   std::int64_t count() const { return count_; }
 
  private:
-  bool may_run(const RunState& s, const NeighbourLists& lists);
   bool lists_hold(const RunState& s, const NeighbourLists& lists);
+  /// Takes bodies into groups, and back into their columns.
+  void enter(RunState& s, ForceStep& forces);
+  void leave(RunState& s, ForceStep& forces);
+  template <class Action>
+  void each_share(Action&& action) const;
 
+  std::vector<BallGroup> groups_;  // what moves of the bodies
   WaitingBalls waiting_;
-  std::int64_t looked_at_ = -1;  // number of lists for which `all_balls_` was found
-  bool all_balls_ = false;
+  std::int64_t looked_at_ = -1;  // number of lists for which `may_run_` was found
+  bool may_run_ = false;
   std::int64_t count_ = 0, filled_again_ = -(std::int64_t{1} << 40);
   double bound_ = 0;     // two bodies have come nearer by this since the steps began, at most [m]
   double listed_ = 0;    // as far as a body was from where it was listed when `bound_` was `bound_then_`, at most [m]

@@ -19,7 +19,8 @@ class ForceStep {
   void compute(RunState& s, Decomposition& decomposition, FirstFailure& failure, double friction_dt, bool refresh);
 
   /// The pairs of a step in which all go in blocks, or are among `due`: see evaluate_blocks(). Bodies do not get their forces.
-  void compute_balls(RunState& s, Balance& balance, FirstFailure& failure, const std::vector<std::int32_t>& due);
+  void compute_balls(RunState& s, Balance& balance, FirstFailure& failure, const std::vector<std::int32_t>& due,
+                     const std::function<void()>& write_columns);
 
   /// Forces of contacts that begin in this step, with springs at rest; the bodies do not get them.
   void compute_new_contacts(RunState& s, FirstFailure& failure, std::span<const std::int32_t> which);

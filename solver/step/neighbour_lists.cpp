@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "solver/bodies/body_passes.hpp"
+#include "solver/step/ball_steps.hpp"
 
 namespace scree {
 
@@ -14,6 +15,9 @@ namespace {
 // more pairs. It never changes a result.
 constexpr double kListSteps = 40;
 constexpr double kSmallestListSkin = 0.02, kLargestListSkin = 0.5;  // of the smallest radius
+// Where balls go without a break, a pair that does not touch costs nothing in a step: measured from 40 to 1000 steps and 0.02 to 0.5, a
+// falling and resting bed is fastest with these, by 15 %.
+constexpr double kListStepsOfBalls = 300, kSmallestSkinOfBalls = 0.2;
 constexpr double kShareOfRoom = 0.999;                              // of the room that a periodic domain leaves: the rest is for rounding
 // Of the skin. A pair of which one rank alone has a ghost, since reaches are rounded, is not in reach before lists are rebuilt.
 constexpr double kShareOfSkin = 1 - 1e-6;
@@ -55,7 +59,9 @@ double speed_of_cell(const RunState& s) {
 
 double NeighbourLists::skin_for(const RunState& s, double fastest) const {
   const double smallest = s.facts.smallest_radius;
-  double skin = std::clamp(2 * kListSteps * fastest * s.clock.dt, kSmallestListSkin * smallest, kLargestListSkin * smallest);
+  const bool balls = go_without_break(s);
+  double skin = std::clamp(2 * (balls ? kListStepsOfBalls : kListSteps) * fastest * s.clock.dt,
+                           (balls ? kSmallestSkinOfBalls : kSmallestListSkin) * smallest, kLargestListSkin * smallest);
   // a quarter of a period holds the reach of a body, its half of the skin included (see check_period)
   for (int k = 0; k < 3; ++k) {
     const Periodicity& periodicity = s.particles.cell.periodicity();
