@@ -76,15 +76,13 @@ void keep_unit(Quat& q, Quat& remainder) {
   if (std::abs(excess) > kUnitError) advance(q, remainder, {by * q.w, by * q.x, by * q.y, by * q.z});
 }
 
-/// q after the rotation `by`, whose axis is given in the body or in the world. What is added is small where `by` is.
-void turn_in_body(Quat& q, Quat& remainder, const Quat& by) {
-  advance(q, remainder, q * Quat{by.w - 1, by.x, by.y, by.z});
+/// q after what a rotation adds to it.
+void add_turn(Quat& q, Quat& remainder, const Quat& way) {
+  advance(q, remainder, way);
   keep_unit(q, remainder);
 }
-void turn_in_world(Quat& q, Quat& remainder, const Quat& by) {
-  advance(q, remainder, Quat{by.w - 1, by.x, by.y, by.z} * q);
-  keep_unit(q, remainder);
-}
+/// q after the rotation `by`, whose axis is given in the body. What is added is small where `by` is.
+void turn_in_body(Quat& q, Quat& remainder, const Quat& by) { add_turn(q, remainder, q * Quat{by.w - 1, by.x, by.y, by.z}); }
 
 // Free rotors of bodies that are not isotropic. Each takes q with its remainder, and the world angular momentum L, over h.
 
@@ -156,8 +154,12 @@ template <class Rotor>
 void rotate_by(const Vec3& inertia, const Vec3& inverse_inertia, bool isotropic, double h, Vec3& L, Quat& q, Quat& remainder, Vec3& w) {
   if (isotropic) {  // w is constant: one exact rotation about it
     w = inverse_inertia.x * L;
-    const double rate = length(w);
-    if (rate > 0) turn_in_world(q, remainder, turn_about((1 / rate) * w, rate * h));
+    const double half = 0.5 * h, aa = (half * half) * squared_length(w);
+    if (!(aa > 0)) return;
+    double ratio, less_one;
+    sine_ratio_and_less_one(aa, ratio, less_one);
+    const Vec3 axis = (half * ratio) * w;
+    add_turn(q, remainder, Quat{less_one, axis.x, axis.y, axis.z} * q);
     return;
   }
   Rotor::advance(inertia, inverse_inertia, h, L, q, remainder);

@@ -64,7 +64,7 @@ HWY_INLINE void sine_and_cosine(Lane a, Lane& sine, Lane& cosine) {
   cosine = Lane::load(cosines);
 }
 
-/// As turn_in_body() and turn_in_world() of motion.cpp: q after what is added to it, a unit quaternion.
+/// As add_turn() of motion.cpp: q after what is added to it, a unit quaternion.
 HWY_INLINE void add_turn(LaneQuat& q, LaneQuat& remainder, const LaneQuat& way) {
   constexpr double kUnitError = 8 * std::numeric_limits<double>::epsilon();  // as in keep_unit() of motion.cpp
   advance(q, remainder, way);
@@ -77,13 +77,24 @@ HWY_INLINE void add_turn(LaneQuat& q, LaneQuat& remainder, const LaneQuat& way) 
   remainder = select(is_off, unit_remainder, remainder);
 }
 
-/// One exact rotation about w over a time h.   in   rate   |w|, above 0 in each lane that counts
-HWY_INLINE void turn_about(const Lane3& w, Lane rate, Lane h, LaneQuat& q, LaneQuat& remainder) {
-  Lane s, c;
-  sine_and_cosine(Lane(0.5) * (rate * h), s, c);
-  const Lane one(1.0);
-  const Lane3 axis = (one / rate) * w;
-  add_turn(q, remainder, LaneQuat{c - one, s * axis.x, s * axis.y, s * axis.z} * q);
+/// As sine_ratio_and_less_one().
+HWY_INLINE void sine_ratio_and_less_one(Lane aa, Lane& ratio, Lane& less_one) {
+  ratio = Lane(1.0) - aa * (Lane(1.0 / 6) - aa * (Lane(1.0 / 120) - aa * (Lane(1.0 / 5040) - aa * Lane(1.0 / 362880))));
+  less_one = (-aa) * (Lane(0.5) - aa * (Lane(1.0 / 24) - aa * (Lane(1.0 / 720) - aa * Lane(1.0 / 40320))));
+  if (!any(!(aa <= Lane(kSmallAngle * kSmallAngle)))) return;
+  alignas(64) double squares[kLanes], ratios[kLanes], others[kLanes];
+  aa.store(squares);
+  for (std::size_t k = 0; k < kLanes; ++k) scree::sine_ratio_and_less_one(squares[k], ratios[k], others[k]);
+  ratio = Lane::load(ratios);
+  less_one = Lane::load(others);
+}
+
+/// One exact rotation about w over a time h, as rotate_by() of motion.cpp.   in   aa   square of half the angle
+HWY_INLINE void turn_about(const Lane3& w, Lane aa, Lane half_step, LaneQuat& q, LaneQuat& remainder) {
+  Lane ratio, less_one;
+  sine_ratio_and_less_one(aa, ratio, less_one);
+  const Lane3 axis = (half_step * ratio) * w;
+  add_turn(q, remainder, LaneQuat{less_one, axis.x, axis.y, axis.z} * q);
 }
 
 // NOLINTNEXTLINE(google-readability-namespace-comments)

@@ -67,11 +67,11 @@ HWY_INLINE void turn_rows(ParticleSet& p, double kick_time, double h, std::size_
   const Lane rate_of_w = load(&p.inverse_inertia[i]).x;
   const Lane3 L = load(&p.L[i]), next = L + Lane(kick_time) * load(&p.torque[i]), w = rate_of_w * next;
   const auto turns = which & (rate_of_w > zero);
-  const Lane rate = length(w);
-  const auto rotates = turns & (rate > zero);
+  const Lane half(0.5 * h), aa = (half * half) * dot(w, w);
+  const auto rotates = turns & (aa > zero);
   const LaneQuat before = load(&p.q[i]), remainder_before = load(&p.q_remainder[i]);
   LaneQuat q = before, remainder = remainder_before;
-  turn_about(w, rate, Lane(h), q, remainder);
+  turn_about(w, aa, half, q, remainder);
   if (!any(!rotates)) {  // nearly always
     store(next, &p.L[i]);
     store(w, &p.w[i]);

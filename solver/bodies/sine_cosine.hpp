@@ -50,4 +50,18 @@ inline void sine_and_cosine(double a, double& sine, double& cosine) {
   cosine = 1 - aa * (0.5 - aa * (1.0 / 24 - aa * (1.0 / 720 - aa * (1.0 / 40320))));
 }
 
+/// Of an angle a, from its square: sin(a) / a and cos(a) - 1. A turn by a vector needs no more, and no root of it where it is small.
+inline void sine_ratio_and_less_one(double aa, double& ratio, double& less_one) {
+  if (!(aa <= kSmallAngle * kSmallAngle)) {
+    const double a = std::sqrt(aa);
+    double sine, cosine;
+    sine_and_cosine_of_any(a, sine, cosine);
+    ratio = sine / a;
+    less_one = cosine - 1;
+    return;
+  }
+  ratio = 1 - aa * (1.0 / 6 - aa * (1.0 / 120 - aa * (1.0 / 5040 - aa * (1.0 / 362880))));
+  less_one = -aa * (0.5 - aa * (1.0 / 24 - aa * (1.0 / 720 - aa * (1.0 / 40320))));
+}
+
 }  // namespace scree

@@ -117,11 +117,11 @@ BallsMoved move_groups(const BallMotion& motion, std::size_t begin, std::size_t 
     store_three(select(moves, left, left0), at, group.x_remainder);
 
     const Lane3 L2 = L1 + turning, spin = rate_of_w * L2, w = select(turns, spin, w1);
-    const Lane rate = length(spin);
-    const auto rotates = turns & (rate > zero);
+    const Lane aa = (half_step * half_step) * dot(spin, spin);
+    const auto rotates = turns & (aa > zero);
     const LaneQuat q0 = load_four(group.q, at), rest0 = load_four(group.q_remainder, at);
     LaneQuat q = q0, rest = rest0;
-    turn_about(spin, rate, step, q, rest);
+    turn_about(spin, aa, half_step, q, rest);
     store_three(select(turns, L2, L0), at, group.L);
     store_four(select(rotates, q, q0), at, group.q);
     store_four(select(rotates, rest, rest0), at, group.q_remainder);

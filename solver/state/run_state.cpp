@@ -179,6 +179,21 @@ void add_wall_effects(const RunState& s, double dt, WallTotals& totals) {
   for (WallTotals& other : others) add(other, totals);
 }
 
+void add_wall_impulses_of_balls(const RunState& s, double dt, std::span<const std::int32_t> outside, WallTotals& totals) {
+  ImpulsesOfWalls impulses(totals);
+  const BallBlocks& blocks = s.pairs.blocks();
+  const std::vector<BallZone>& zones = s.scene.ball_laws().zones;
+  const auto wall_of = [&s](std::int32_t zone) { return static_cast<std::size_t>(s.scene.zones()[static_cast<std::size_t>(zone)].wall); };
+  blocks.for_each_wall_slot([&](std::int32_t row, const BallSlot& slot) {
+    impulses.add(wall_of(zones[static_cast<std::size_t>(row)].zone), dt * -slot.force);
+  });
+  for (const std::int32_t k : outside) {
+    const BodyPair& pair = s.pairs.stored_pairs()[static_cast<std::size_t>(k)];
+    const PairResult& result = s.pairs.stored_results()[static_cast<std::size_t>(k)];
+    if (pair.b < 0 && result.active) impulses.add(wall_of(pair.key.zone), dt * -result.force_a);
+  }
+}
+
 double contact_dissipation(const ParticleSet& p, std::size_t body, double dt) {
   if (p.fixed[body]) return 0;
   return -dt * (dot(p.dissipative_force[body], p.v[body]) + dot(p.dissipative_torque[body], p.w[body]));

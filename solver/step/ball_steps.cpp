@@ -99,7 +99,7 @@ bool BallSteps::run(RunState& s, ForceStep& forces, Balance& balance, FirstFailu
     if ((failed = failure.exists())) break;
     waiting_.note(bound_, s.pairs);
     const PhaseTimer timer(s.times, Phase::integrate);
-    add_wall_effects(s, dt, s.totals.walls);
+    add_wall_impulses_of_balls(s, dt, pairs_outside(forces), s.totals.walls);
     const BallsMoved found =
         s.pairs.move_balls(s.scene.source().settings.gravity, dt, kRadiusPerStep, p, groups_, forces.scratch().ball_rows);
     s.clock.advance();
@@ -115,6 +115,16 @@ bool BallSteps::run(RunState& s, ForceStep& forces, Balance& balance, FirstFailu
   leave(s, forces);
   if (moved) s.pairs.travel().add_to_balls(p, 0.5 * bound_);
   return moved && !failed;
+}
+
+/// Pairs of this step whose results do not lie in blocks.
+std::span<const std::int32_t> BallSteps::pairs_outside(ForceStep& forces) {
+  const std::vector<std::int32_t>&due = waiting_.last_due(), &left = forces.scratch().left;
+  if (left.empty()) return due;
+  outside_ = due;
+  for (const std::int32_t k : left)
+    if (std::find(due.begin(), due.end(), k) == due.end()) outside_.push_back(k);
+  return outside_;
 }
 
 void BallSteps::enter(RunState& s, ForceStep& forces) {

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "solver/neighbours/waiting_balls.hpp"
@@ -36,11 +37,13 @@ class BallSteps {
   /// Takes bodies into groups, and back into their columns.
   void enter(RunState& s, ForceStep& forces);
   void leave(RunState& s, ForceStep& forces);
+  std::span<const std::int32_t> pairs_outside(ForceStep& forces);
   template <class Action>
   void each_share(Action&& action) const;
 
   std::vector<BallGroup> groups_;  // what moves of the bodies
   WaitingBalls waiting_;
+  std::vector<std::int32_t> outside_;
   std::int64_t looked_at_ = -1;  // number of lists for which `may_run_` was found
   bool may_run_ = false;
   std::int64_t count_ = 0, filled_again_ = -(std::int64_t{1} << 40);
