@@ -1,5 +1,5 @@
-// Columns of bodies in lanes, and what a drift does to a place and to an orientation: what motion_lanes.cpp and lanes/ball_motion.cpp share.
-// Included by them once for every instruction set.
+// Columns of bodies in lanes, and what a drift does to a place and to an orientation: what motion_lanes.cpp and lanes/ball_motion.cpp
+// share. Included by them once for every instruction set.
 #if defined(SCREE_SOLVER_BODIES_MOTION_LANES_INL_HPP_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SCREE_SOLVER_BODIES_MOTION_LANES_INL_HPP_
 #undef SCREE_SOLVER_BODIES_MOTION_LANES_INL_HPP_

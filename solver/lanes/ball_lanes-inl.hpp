@@ -75,7 +75,8 @@ HWY_INLINE Lane3 velocity_along(const Cell& cell, const Lane3& branch) {
 /// Rows of the particle set, one in each lane.
 class Rows {
  public:
-  HWY_INLINE explicit Rows(const std::int32_t* rows) : Rows(hn::PromoteTo(Integers(), hn::LoadU(hn::Rebind<std::int32_t, Integers>(), rows))) {}
+  HWY_INLINE explicit Rows(const std::int32_t* rows)
+      : Rows(hn::PromoteTo(Integers(), hn::LoadU(hn::Rebind<std::int32_t, Integers>(), rows))) {}
   HWY_INLINE explicit Rows(const std::int64_t* rows) : Rows(hn::LoadU(Integers(), rows)) {}
   HWY_INLINE Lane of(const std::vector<double>& column) const { return gather(column.data(), row_); }
   HWY_INLINE Lane3 of(const std::vector<Vec3>& column) const {

@@ -145,7 +145,8 @@ BallsMoved move_groups(const BallMotion& motion, std::size_t begin, std::size_t 
 
 HWY_NOINLINE BallsMoved move_range(const BallMotion& motion, std::size_t begin, std::size_t end) {
   const bool asks = asks_for_slots(motion.sums);
-  if (motion.sums.moments != nullptr) return asks ? move_groups<true, true>(motion, begin, end) : move_groups<true, false>(motion, begin, end);
+  if (motion.sums.moments != nullptr)
+    return asks ? move_groups<true, true>(motion, begin, end) : move_groups<true, false>(motion, begin, end);
   return asks ? move_groups<false, true>(motion, begin, end) : move_groups<false, false>(motion, begin, end);
 }
 

@@ -36,11 +36,11 @@ struct BallMotion {
   BallSums sums;
   const std::uint8_t* summed;  ///< of each body 1: its forces are in the columns of `p` already
   const ParticleSet& p;
-  Vec3 gravity;        ///< [m/s^2]
-  double dt;           ///< of both steps [s]
-  double share;        ///< of its radius that a ball may go in a step
-  BallGroup* groups;   ///< become those of the new places
-  BallRow* rows;       ///< the same, of whole groups
+  Vec3 gravity;       ///< [m/s^2]
+  double dt;          ///< of both steps [s]
+  double share;       ///< of its radius that a ball may go in a step
+  BallGroup* groups;  ///< become those of the new places
+  BallRow* rows;      ///< the same, of whole groups
 };
 
 struct BallsMoved {

@@ -50,8 +50,9 @@ void PairList::sum_onto_bodies(const Vec3& gravity, ParticleSet& p) const {
 
 BallSums PairList::sums_of_blocks() const {
   const std::vector<PaddedVec3>& moments = blocks_.moments();
-  return {blocks_.slots().data(), moments.empty() ? nullptr : moments.data(), blocks_.slots().size(), start_.data(), due_count_.data(),
-          due_.data()};
+  return {blocks_.slots().data(), moments.empty() ? nullptr : moments.data(),
+          blocks_.slots().size(), start_.data(),
+          due_count_.data(),      due_.data()};
 }
 
 BallsMoved PairList::move_balls(const Vec3& gravity, double dt, double share, ParticleSet& p, std::vector<BallGroup>& groups,

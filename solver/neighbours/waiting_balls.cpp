@@ -51,7 +51,8 @@ const std::vector<std::int32_t>& WaitingBalls::due(double bound, PairList& list)
 
 void WaitingBalls::note(double bound, const PairList& list) {
   for (std::size_t n = 0; n < due_.size(); ++n) {
-    const std::size_t g = static_cast<std::size_t>(due_places_[n]) / kTogether, place = static_cast<std::size_t>(due_places_[n]) % kTogether;
+    const std::size_t g = static_cast<std::size_t>(due_places_[n]) / kTogether,
+                      place = static_cast<std::size_t>(due_places_[n]) % kTogether;
     const IdlePair& idle = list.idle()[static_cast<std::size_t>(due_[n])];
     groups_[g].limit[place] = idle.way == kTouching ? kNever : bound + room_of(idle, list.travel());
     if (n + 1 == due_.size() || static_cast<std::size_t>(due_places_[n + 1]) / kTogether != g)

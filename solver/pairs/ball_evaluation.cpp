@@ -41,8 +41,7 @@ bool has_ball_way(const PairPass& pass) { return pass.scene.ball_laws().kind != 
 BallPass::BallPass(PairPass& pass) : pass_(pass), scene_{pass.p, pass.p.cell.periodicity(), pass.scene.ball_laws()} {
   if (pass.blocks) {
     // ghosts are not here yet while the pairs of owned bodies are computed
-    if (!pass.has_ball_rows)
-      collect_rows(pass.p, *pass.blocks == PairClass::inner ? pass.p.owned : pass.p.size(), pass.scratch.ball_rows);
+    if (!pass.has_ball_rows) collect_rows(pass.p, *pass.blocks == PairClass::inner ? pass.p.owned : pass.p.size(), pass.scratch.ball_rows);
     scene_.rows = pass.scratch.ball_rows.data();
   }
   scene_.walls.reserve(scene_.laws.zones.size());

@@ -137,9 +137,9 @@ enum class Purpose { forces, examination, rest };
 
 /// Which part of a class whose pairs lie in blocks.
 struct BlockPart {
-  std::optional<PairClass> blocks{};                ///< with those in blocks
-  const std::vector<std::int32_t>* due = nullptr;   ///< of the others these alone; scratch.ball_rows are there
-  bool has_columns = true, keeps_blocks = false;    ///< see PairPass; whether blocks stay as they are
+  std::optional<PairClass> blocks{};               ///< with those in blocks
+  const std::vector<std::int32_t>* due = nullptr;  ///< of the others these alone; scratch.ball_rows are there
+  bool has_columns = true, keeps_blocks = false;   ///< see PairPass; whether blocks stay as they are
 };
 
 double evaluate(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::span<const std::int32_t> which,
@@ -218,8 +218,8 @@ double evaluate_class(const SolverScene& scene, const ParticleSet& p, const std:
                       std::span<const std::int32_t> all, double dt, double friction_dt, std::int64_t step, ForceScratch& scratch,
                       PairList& list, PairObservers observers) {
   // where pairs are timed or shown, each goes for itself
-  const bool in_blocks = may_use_blocks(scene, p) && friction_dt > 0 && friction_dt == dt && scratch.pair_seconds.empty() &&
-                         !any_observes_bodies(observers);
+  const bool in_blocks =
+      may_use_blocks(scene, p) && friction_dt > 0 && friction_dt == dt && scratch.pair_seconds.empty() && !any_observes_bodies(observers);
   if (!in_blocks) return evaluate_pairs(scene, p, walls, all, dt, friction_dt, step, scratch, list, observers);
   list.fill_blocks(scene, p, which);
   return evaluate(scene, p, walls, all, dt, friction_dt, step, scratch, list, observers, Purpose::forces, {which});

@@ -37,8 +37,8 @@ class RunSteps {
   void begin();
   /// Whether its time is over, all is at rest where it stops then, or no body is left that is free to move.
   bool is_over() const;
-  /// One step, or as many as go at once before something is written, `most` at most. Returns 0; or 128 + n after signal n: a checkpoint is kept, and the run may go on.
-  /// Throws RunInvalid after the last state was kept, and what files and MPI throw.
+  /// One step, or as many as go at once before something is written, `most` at most. Returns 0; or 128 + n after signal n: a checkpoint is
+  /// kept, and the run may go on. Throws RunInvalid after the last state was kept, and what files and MPI throw.
   int step(std::int64_t most = kAsMany);
   /// The outcome of a run that is over.
   void finish();

@@ -184,9 +184,8 @@ void add_wall_impulses_of_balls(const RunState& s, double dt, std::span<const st
   const BallBlocks& blocks = s.pairs.blocks();
   const std::vector<BallZone>& zones = s.scene.ball_laws().zones;
   const auto wall_of = [&s](std::int32_t zone) { return static_cast<std::size_t>(s.scene.zones()[static_cast<std::size_t>(zone)].wall); };
-  blocks.for_each_wall_slot([&](std::int32_t row, const BallSlot& slot) {
-    impulses.add(wall_of(zones[static_cast<std::size_t>(row)].zone), dt * -slot.force);
-  });
+  blocks.for_each_wall_slot(
+      [&](std::int32_t row, const BallSlot& slot) { impulses.add(wall_of(zones[static_cast<std::size_t>(row)].zone), dt * -slot.force); });
   for (const std::int32_t k : outside) {
     const BodyPair& pair = s.pairs.stored_pairs()[static_cast<std::size_t>(k)];
     const PairResult& result = s.pairs.stored_results()[static_cast<std::size_t>(k)];

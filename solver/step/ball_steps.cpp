@@ -33,6 +33,10 @@ bool go_without_break(const RunState& s) {
       p.cell.deforms() || s.scene.has_driven_walls() || s.scene.has_moving_surfaces() || s.scene.has_answering_walls() ||
       !s.scene.source().inlets.empty() || !may_use_blocks(s.scene, p))
     return false;
+  const LaneLaws& laws = s.scene.ball_laws();
+  if (std::count(laws.holds.begin(), laws.holds.end(), 0) > 0 ||
+      std::any_of(laws.row_of_zone.begin(), laws.row_of_zone.end(), [](std::int32_t row) { return row < 0; }))
+    return false;  // some pairs go the general path in every step
   for (std::size_t i = 0; i < p.size(); ++i)
     if (!(p.ball_radius[i] > 0) || p.isotropic[i] == 0) return false;
   return true;
@@ -119,7 +123,8 @@ bool BallSteps::run(RunState& s, ForceStep& forces, Balance& balance, FirstFailu
 
 /// Pairs of this step whose results do not lie in blocks.
 std::span<const std::int32_t> BallSteps::pairs_outside(ForceStep& forces) {
-  const std::vector<std::int32_t>&due = waiting_.last_due(), &left = forces.scratch().left;
+  const std::vector<std::int32_t>& due = waiting_.last_due();
+  const std::vector<std::int32_t>& left = forces.scratch().left;
   if (left.empty()) return due;
   outside_ = due;
   for (const std::int32_t k : left)

@@ -3,7 +3,8 @@
 //
 // The bits are those of single steps, so that it never matters when this begins and ends. It ends before a step after which something is
 // written, where lists are used up, where a pair needs the general path, and where bodies are looked at by review (kReviewSteps).
-// What goes so: one rank, balls alone, no effects, sleep, fluid, inlets or periodic axes, walls that stand still, steps that are fixed.
+// What goes so: one rank, balls alone, no effects, sleep, fluid, inlets or periodic axes, planes and cylinders that stand still, a law that
+// lanes have for all materials, steps that are fixed.
 #pragma once
 
 #include <cstdint>
@@ -26,8 +27,8 @@ class BallSteps {
   /// at most. Does nothing where single steps are needed.
   /// in   requests   end it
   /// Returns whether bodies have moved, and the lists of their new places are to be looked at.   Threads: parallel inside.
-  bool run(RunState& s, ForceStep& forces, Balance& balance, FirstFailure& failure, const NeighbourLists& lists,
-           const Requests& requests, std::int64_t last);
+  bool run(RunState& s, ForceStep& forces, Balance& balance, FirstFailure& failure, const NeighbourLists& lists, const Requests& requests,
+           std::int64_t last);
 
   /// Steps that went so since the start.
   std::int64_t count() const { return count_; }
@@ -47,8 +48,8 @@ class BallSteps {
   std::int64_t looked_at_ = -1;  // number of lists for which `may_run_` was found
   bool may_run_ = false;
   std::int64_t count_ = 0, filled_again_ = -(std::int64_t{1} << 40);
-  double bound_ = 0;     // two bodies have come nearer by this since the steps began, at most [m]
-  double listed_ = 0;    // as far as a body was from where it was listed when `bound_` was `bound_then_`, at most [m]
+  double bound_ = 0;   // two bodies have come nearer by this since the steps began, at most [m]
+  double listed_ = 0;  // as far as a body was from where it was listed when `bound_` was `bound_then_`, at most [m]
   double bound_then_ = 0;
 };
 

@@ -100,7 +100,8 @@ void ForceStep::compute_pairs(RunState& s, Balance& balance, FirstFailure& failu
 void ForceStep::compute_balls(RunState& s, Balance& balance, FirstFailure& failure, const std::vector<std::int32_t>& due,
                               const std::function<void()>& write_columns) {
   compute_timed(s, balance, failure, Phase::contact, [&] {
-    return evaluate_blocks(s.scene, s.particles, s.walls, PairClass::inner, due, s.clock.dt, s.clock.step, scratch_, s.pairs, write_columns);
+    return evaluate_blocks(s.scene, s.particles, s.walls, PairClass::inner, due, s.clock.dt, s.clock.step, scratch_, s.pairs,
+                           write_columns);
   });
 }
 

@@ -18,7 +18,7 @@ constexpr double kSmallestListSkin = 0.02, kLargestListSkin = 0.5;  // of the sm
 // Where balls go without a break, a pair that does not touch costs nothing in a step: measured from 40 to 1000 steps and 0.02 to 0.5, a
 // falling and resting bed is fastest with these, by 15 %.
 constexpr double kListStepsOfBalls = 300, kSmallestSkinOfBalls = 0.2;
-constexpr double kShareOfRoom = 0.999;                              // of the room that a periodic domain leaves: the rest is for rounding
+constexpr double kShareOfRoom = 0.999;  // of the room that a periodic domain leaves: the rest is for rounding
 // Of the skin. A pair of which one rank alone has a ghost, since reaches are rounded, is not in reach before lists are rebuilt.
 constexpr double kShareOfSkin = 1 - 1e-6;
 

@@ -55,8 +55,7 @@ void expect_same_ends(const End& a, const End& b) {
   EXPECT_EQ(mine.totals.walls.work.value(), other.totals.walls.work.value());
   EXPECT_EQ(mine.totals.walls.dissipated.value(), other.totals.walls.dissipated.value());
   for (std::size_t w = 0; w < mine.totals.walls.impulse.size(); ++w) {
-    for (std::size_t k = 0; k < 3; ++k)
-      EXPECT_EQ(mine.totals.walls.impulse[w][k].value(), other.totals.walls.impulse[w][k].value()) << w;
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(mine.totals.walls.impulse[w][k].value(), other.totals.walls.impulse[w][k].value()) << w;
   }
 }
 
@@ -154,9 +153,10 @@ TEST(BallSteps, are_not_taken_where_something_else_happens_in_a_step) {
   EXPECT_EQ(share_of([](Scene& s) { s.settings.integrator = Integrator::euler; }), 0);
   EXPECT_EQ(share_of([](Scene& s) { s.settings.on_overlap = OnOverlap::proceed; }), 0);
   EXPECT_EQ(share_of([](Scene& s) {
-    s.walls.back().motion.kind = Translate{.axis = {0, 0, 1}, .rate = 0.01};
-    s.walls.back().motion.stop = 1e300;
-  }), 0);
+              s.walls.back().motion.kind = Translate{.axis = {0, 0, 1}, .rate = 0.01};
+              s.walls.back().motion.stop = 1e300;
+            }),
+            0);
 }
 
 // The error names the step and the pair that single steps name: of contacts too deep, and of bodies too fast.
