@@ -78,7 +78,8 @@ HWY_INLINE bool sum_some(const BallMotion& motion, const BallGroup& group, const
 
 template <bool kRolls, bool kAsks>
 BallsMoved move_groups(const BallMotion& motion, std::size_t begin, std::size_t end) {
-  const Lane zero(0.0), step(motion.dt), half_step(0.5 * motion.dt), time(-motion.dt), share(motion.share / motion.dt);
+  const Lane zero(0.0), step(motion.dt), half_step(0.5 * motion.dt), time(-motion.dt),
+      share((1 - 1e-12) * (motion.share / motion.dt));  // some rounding on the safe side
   Numbers gravity;
   alignas(32) const double of_gravity[4] = {motion.gravity.x, motion.gravity.y, motion.gravity.z, 0};
   for (std::size_t j = 0; j < 4 / kWidth; ++j) gravity.part[j] = hn::Load(Four(), of_gravity + kWidth * j);
@@ -135,7 +136,7 @@ BallsMoved move_groups(const BallMotion& motion, std::size_t begin, std::size_t 
     store_rows(radius * w, zero, rows + 12, kStride);
     const Lane squared = dot(v, v);
     fastest = Lane{select(squared > fastest, squared, fastest)};
-    if (any(squared > most * most)) moved.go_far = true;
+    if (any(!(squared <= most * most))) moved.go_far = true;  // or is no number
   }
   alignas(64) double speeds[kLanes];
   fastest.store(speeds);

@@ -45,7 +45,7 @@ struct BallMotion {
 
 struct BallsMoved {
   double squared_speed = 0;  ///< the largest with which they went [m^2/s^2]; those that are no numbers are left out
-  bool go_far = false;       ///< some may have gone farther than the share of their radius
+  bool go_far = false;       ///< some may have gone farther than the share of their radius, or to no place (not a number)
 };
 
 /// Moves groups [begin, end), all of them balls that nothing but pairs and gravity acts on.

@@ -97,6 +97,7 @@ std::int32_t BallBlocks::block_with_room(std::size_t of, std::int32_t wall) {
   block.all_touch = true;
   last = static_cast<std::int32_t>(used_++);
   of_class_[of].push_back(last);
+  if (wall >= 0) with_walls_.push_back(last);
   slots_.resize(std::max(slots_.size(), used_ * kBallPairs));
   eights_.resize(slots_.size() / BallEight::kPairs);
   moments_.resize(have_rolling() ? slots_.size() : 0);
@@ -139,6 +140,7 @@ void BallBlocks::fill(const BallScene& scene, const std::array<std::span<const s
   filled_ = true;
   spring_count_ = ball_spring_count(scene.laws);
   used_ = outside_ = 0;
+  with_walls_.clear();
   place_.assign(pairs.size(), kOther);
   for (std::size_t c = 0; c < kPairClasses; ++c) {
     of_class_[c].clear();

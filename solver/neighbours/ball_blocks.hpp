@@ -73,19 +73,16 @@ class BallBlocks {
   std::size_t count(PairClass which) const { return of_class_[static_cast<std::size_t>(which)].size(); }
   /// The n-th block of a class, with its eights and slots.
   BallBlock& block(PairClass which, std::size_t n) { return with_slots(of_class_[static_cast<std::size_t>(which)][n]); }
-  /// Calls action(row of LaneLaws::zones, slot) for each pair with a wall that lies here; those that do not touch do nothing.
+  /// The blocks of pairs with walls.
+  const std::vector<std::int32_t>& with_walls() const { return with_walls_; }
+  /// Calls action(slot) for each pair of a block; those that do not touch do nothing.
   template <class Action>
-  void for_each_wall_slot(Action&& action) const {
-    constexpr std::size_t kEights = kBallPairs / BallEight::kPairs;
-    for (const std::vector<std::int32_t>& of_class : of_class_) {
-      for (const std::int32_t n : of_class) {
-        const auto at = static_cast<std::size_t>(n);
-        if (!blocks_[at]->pairs.with_walls) continue;
-        const std::int32_t row = eights_[at * kEights].b[0];
-        for (std::size_t k = 0; k < blocks_[at]->pairs.count; ++k) action(row, slots_[at * kBallPairs + k]);
-      }
-    }
+  void for_each_slot(std::int32_t block, Action&& action) const {
+    const auto at = static_cast<std::size_t>(block);
+    for (std::size_t k = 0; k < blocks_[at]->pairs.count; ++k) action(slots_[at * kBallPairs + k]);
   }
+  /// The wall of a block, a row of LaneLaws::zones.
+  std::int32_t wall_of(std::int32_t block) const { return eights_[static_cast<std::size_t>(block) * kBallPairs / BallEight::kPairs].b[0]; }
   bool have_rolling() const { return spring_count_ == 2; }
 
   /// Where a pair lies: 64 times its block plus its place there; or one of these.
@@ -119,6 +116,7 @@ class BallBlocks {
   std::vector<BallSlot> slots_;    // the same
   std::vector<PaddedVec3> moments_;
   std::array<std::vector<std::int32_t>, kPairClasses> of_class_, others_;
+  std::vector<std::int32_t> with_walls_;
   std::array<std::vector<std::int32_t>, kPairClasses>
       last_;                         // of each wall row of balls and, first, of two balls: the block being filled, or -1
   std::vector<std::int32_t> place_;  // of each pair of the list

@@ -54,7 +54,9 @@ void WaitingBalls::note(double bound, const PairList& list) {
     const std::size_t g = static_cast<std::size_t>(due_places_[n]) / kTogether,
                       place = static_cast<std::size_t>(due_places_[n]) % kTogether;
     const IdlePair& idle = list.idle()[static_cast<std::size_t>(due_[n])];
-    groups_[g].limit[place] = idle.way == kTouching ? kNever : bound + room_of(idle, list.travel());
+    // one that touches is in a block from the next step on, also where the general path has computed it, which does not say so in `way`
+    const bool touches = idle.way == kTouching || list.stored_results()[static_cast<std::size_t>(due_[n])].active;
+    groups_[g].limit[place] = touches ? kNever : bound + room_of(idle, list.travel());
     if (n + 1 == due_.size() || static_cast<std::size_t>(due_places_[n + 1]) / kTogether != g)
       first_[g] = *std::min_element(groups_[g].limit.begin(), groups_[g].limit.end());
   }

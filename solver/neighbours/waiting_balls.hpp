@@ -22,7 +22,7 @@ class WaitingBalls {
   /// The pairs that may touch once any two bodies may have come nearer by `bound` since begin() [m]; they are asked, whatever their idle
   /// time says.
   const std::vector<std::int32_t>& due(double bound, PairList& list);
-  /// Those that the last call of due() gave.
+  /// Those that the last call of due() gave, ascending.
   const std::vector<std::int32_t>& last_due() const { return due_; }
   /// After those pairs were looked at: for how long they wait again.
   void note(double bound, const PairList& list);

@@ -140,6 +140,10 @@ struct BlockPart {
   std::optional<PairClass> blocks{};               ///< with those in blocks
   const std::vector<std::int32_t>* due = nullptr;  ///< of the others these alone; scratch.ball_rows are there
   bool has_columns = true, keeps_blocks = false;   ///< see PairPass; whether blocks stay as they are
+  /// Where pairs are left for a second part, the first leaves here what it has found, and the second judges both.
+  Deepest* first = nullptr;
+  std::span<const std::int32_t> all{};           ///< the pairs that the second part judges
+  const std::function<void()>* after = nullptr;  ///< is called before that
 };
 
 double evaluate(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::span<const std::int32_t> which,
@@ -173,8 +177,16 @@ double evaluate(const SolverScene& scene, const ParticleSet& p, const std::vecto
   Deepest deepest;
   const std::span<const std::int32_t> listed = part.due != nullptr ? *part.due : blocks ? list.blocks().others(*blocks) : which;
   ContactModels::choose(scene.law_choice().gathering, [&]<class Model>() { deepest = evaluate_all<Model>(pass, listed); });
+  if (part.first != nullptr) {
+    if (part.due != nullptr && !scratch.left.empty()) {
+      *part.first = deepest;
+      return deepest.overlap;
+    }
+    deepest = {std::max(deepest.overlap, part.first->overlap), deepest.too_deep || part.first->too_deep};
+  }
+  if (part.after != nullptr) (*part.after)();
   if (deepest.too_deep) list.write_back();
-  check_pass(pass, which, step, deepest);
+  check_pass(pass, part.after != nullptr ? part.all : which, step, deepest);
   return deepest.overlap;
 }
 
@@ -232,17 +244,21 @@ double evaluate_blocks(const SolverScene& scene, const ParticleSet& p, const std
                                          : which == PairClass::outer ? list.outer()
                                                                      : list.duplicated();
   scratch.left.clear();
-  double largest = evaluate(scene, p, walls, all, dt, dt, step, scratch, list, {}, Purpose::forces, {which, &due, false});
+  Deepest first;
+  const double largest =
+      evaluate(scene, p, walls, all, dt, dt, step, scratch, list, {}, Purpose::forces, {which, &due, false, false, &first});
   if (scratch.left.empty()) return largest;
   write_columns();
-  std::vector<std::int32_t> left = scratch.left, begun;
+  std::vector<std::int32_t> left = scratch.left;
   std::sort(left.begin(), left.end());
-  largest = std::max(largest, evaluate(scene, p, walls, left, dt, dt, step, scratch, list, {}, Purpose::forces, {.keeps_blocks = true}));
-  for (const std::int32_t k : left) {
-    if (list.blocks().place_of(k) == BallBlocks::kWaits && list.stored_results()[static_cast<std::size_t>(k)].active) begun.push_back(k);
-  }
-  list.take_out_of_blocks(which, begun, {}, p);
-  return largest;
+  const std::function<void()> take_out = [&] {
+    std::vector<std::int32_t> begun;
+    for (const std::int32_t k : left)
+      if (list.blocks().place_of(k) == BallBlocks::kWaits && list.stored_results()[static_cast<std::size_t>(k)].active) begun.push_back(k);
+    list.take_out_of_blocks(which, begun, {}, p);
+  };
+  return evaluate(scene, p, walls, left, dt, dt, step, scratch, list, {}, Purpose::forces,
+                  {.keeps_blocks = true, .first = &first, .all = all, .after = &take_out});
 }
 
 void evaluate_at_rest(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,

@@ -68,6 +68,9 @@ class Effect {
   virtual void drift(RunState&) {}
   /// The clock shows the end of the step, ranks have not agreed on it yet.
   virtual void review(RunState&) {}
+  /// Whether none of its functions of 2 would do anything, until lists are made again or a program asks for something: steps may leave
+  /// them out.
+  virtual bool is_idle() const { return false; }
   /// Only if neighbour lists are made again. Bodies are on their ranks, ghosts are not there yet.   in   left   whether bodies left the run
   virtual void after_migration(RunState&, bool /*left*/) {}
   /// The same: lists are new, rows and pairs are others.

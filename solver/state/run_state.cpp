@@ -180,12 +180,23 @@ void add_wall_effects(const RunState& s, double dt, WallTotals& totals) {
 }
 
 void add_wall_impulses_of_balls(const RunState& s, double dt, std::span<const std::int32_t> outside, WallTotals& totals) {
-  ImpulsesOfWalls impulses(totals);
   const BallBlocks& blocks = s.pairs.blocks();
-  const std::vector<BallZone>& zones = s.scene.ball_laws().zones;
   const auto wall_of = [&s](std::int32_t zone) { return static_cast<std::size_t>(s.scene.zones()[static_cast<std::size_t>(zone)].wall); };
-  blocks.for_each_wall_slot(
-      [&](std::int32_t row, const BallSlot& slot) { impulses.add(wall_of(zones[static_cast<std::size_t>(row)].zone), dt * -slot.force); });
+  // exact sums, as in add_wall_effects()
+  const std::size_t count = blocks.with_walls().size();
+  const std::size_t parts = std::clamp<std::size_t>(count, 1, static_cast<std::size_t>(omp_get_max_threads()));
+  std::vector<WallTotals> others(parts - 1, WallTotals(totals.impulse.size()));
+#pragma omp parallel for schedule(static, 1) if (parts > 1)
+  for (std::size_t part = 0; part < parts; ++part) {
+    ImpulsesOfWalls impulses(part == 0 ? totals : others[part - 1]);
+    for (std::size_t n = count * part / parts; n < count * (part + 1) / parts; ++n) {
+      const std::int32_t block = blocks.with_walls()[n];
+      const std::size_t wall = wall_of(s.scene.ball_laws().zones[static_cast<std::size_t>(blocks.wall_of(block))].zone);
+      blocks.for_each_slot(block, [&](const BallSlot& slot) { impulses.add(wall, dt * -slot.force); });
+    }
+  }
+  for (WallTotals& other : others) add(other, totals);
+  ImpulsesOfWalls impulses(totals);
   for (const std::int32_t k : outside) {
     const BodyPair& pair = s.pairs.stored_pairs()[static_cast<std::size_t>(k)];
     const PairResult& result = s.pairs.stored_results()[static_cast<std::size_t>(k)];

@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
-#include "solver/built_with.hpp"
+#include "solver/step/balls_alone.hpp"
 #include "solver/step_size/step_levels.hpp"
 
 namespace scree {
@@ -19,28 +20,23 @@ constexpr std::int64_t kStepsBetweenFills = 64;
 
 /// The last step that may be reached before single steps look at something.
 std::int64_t next_break(const RunState& s, std::int64_t last) {
-  const bool is_reviewed = s.scene.source().settings.domain.bounded || !s.scene.outlets().empty();
+  const Domain& domain = s.scene.source().settings.domain;
+  const bool is_reviewed = (domain.bounded && domain.outside != Outside::keep) || !s.scene.outlets().empty();
   return is_reviewed ? std::min(last, (s.clock.step / kReviewSteps + 1) * kReviewSteps) : last;
 }
 
-}  // namespace
-
-bool go_without_break(const RunState& s) {
-  const ParticleSet& p = s.particles;
-  const Settings& settings = s.scene.source().settings;
-  if (!built_with::kRotation || s.comm.size() > 1 || !s.effects.empty() || s.fluid || s.clock.level > 0 ||
-      settings.step_control == StepControl::quantised || s.integrator == Integrator::euler || s.scene.periodicity().any() ||
-      p.cell.deforms() || s.scene.has_driven_walls() || s.scene.has_moving_surfaces() || s.scene.has_answering_walls() ||
-      !s.scene.source().inlets.empty() || !may_use_blocks(s.scene, p))
-    return false;
-  const LaneLaws& laws = s.scene.ball_laws();
-  if (std::count(laws.holds.begin(), laws.holds.end(), 0) > 0 ||
-      std::any_of(laws.row_of_zone.begin(), laws.row_of_zone.end(), [](std::int32_t row) { return row < 0; }))
-    return false;  // some pairs go the general path in every step
-  for (std::size_t i = 0; i < p.size(); ++i)
-    if (!(p.ball_radius[i] > 0) || p.isotropic[i] == 0) return false;
-  return true;
+double farthest_coordinate(const ParticleSet& p) {
+  double farthest = 0;
+  const auto count = static_cast<std::ptrdiff_t>(p.owned);
+#pragma omp parallel for schedule(static) reduction(max : farthest)
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const Vec3& x = p.x[static_cast<std::size_t>(i)];
+    farthest = std::max({farthest, std::abs(x.x), std::abs(x.y), std::abs(x.z)});
+  }
+  return farthest;
 }
+
+}  // namespace
 
 /// Calls action(begin, end) with the groups of the calling thread. In a parallel region.
 template <class Action>
@@ -76,7 +72,8 @@ bool BallSteps::run(RunState& s, ForceStep& forces, Balance& balance, FirstFailu
                     const Requests& requests, std::int64_t last) {
   last = next_break(s, last);
   if (last - s.clock.step < kFewest) return false;
-  if (std::exchange(looked_at_, lists.rebuilds()) != lists.rebuilds() || !s.effects.empty()) may_run_ = go_without_break(s);
+  if (!are_effects_idle(s)) return false;
+  if (std::exchange(looked_at_, lists.rebuilds()) != lists.rebuilds()) may_run_ = are_balls_alone(s);
   if (!may_run_) return false;
   ParticleSet& p = s.particles;
   s.pairs.fill_blocks(s.scene, p, PairClass::inner);
@@ -89,7 +86,8 @@ bool BallSteps::run(RunState& s, ForceStep& forces, Balance& balance, FirstFailu
     if (s.pairs.blocks().count_outside() > 0) return false;
   }
 
-  bound_ = bound_then_ = 0;
+  // a place is rounded; what it lacks is in its remainder
+  bound_ = bound_then_ = 4 * std::numeric_limits<double>::epsilon() * farthest_coordinate(p);
   listed_ = lists.limit();  // asked when it matters
   const double dt = s.clock.dt;
   const std::function<void()> write_columns = [this, &s, &forces] { leave(s, forces); };
@@ -113,7 +111,7 @@ bool BallSteps::run(RunState& s, ForceStep& forces, Balance& balance, FirstFailu
     if (found.go_far) {
       leave(s, forces);
       failure.watch(s.clock.step, [&] { check_displacement(s, {}); });
-      if (failure.exists()) break;
+      break;
     }
   }
   leave(s, forces);
@@ -128,7 +126,7 @@ std::span<const std::int32_t> BallSteps::pairs_outside(ForceStep& forces) {
   if (left.empty()) return due;
   outside_ = due;
   for (const std::int32_t k : left)
-    if (std::find(due.begin(), due.end(), k) == due.end()) outside_.push_back(k);
+    if (!std::binary_search(due.begin(), due.end(), k)) outside_.push_back(k);
   return outside_;
 }
 

@@ -3,8 +3,7 @@
 //
 // The bits are those of single steps, so that it never matters when this begins and ends. It ends before a step after which something is
 // written, where lists are used up, where a pair needs the general path, and where bodies are looked at by review (kReviewSteps).
-// What goes so: one rank, balls alone, no effects, sleep, fluid, inlets or periodic axes, planes and cylinders that stand still, a law that
-// lanes have for all materials, steps that are fixed.
+// What goes so: step/balls_alone.hpp.
 #pragma once
 
 #include <cstdint>
@@ -17,9 +16,6 @@
 #include "solver/step/neighbour_lists.hpp"
 
 namespace scree {
-
-/// Whether nothing but pairs of balls and gravity acts in a run, so that its steps may go so. Cost: of a scene of balls, a look at each.
-bool go_without_break(const RunState& s);
 
 class BallSteps {
  public:

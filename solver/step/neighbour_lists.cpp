@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "solver/bodies/body_passes.hpp"
-#include "solver/step/ball_steps.hpp"
+#include "solver/step/balls_alone.hpp"
 
 namespace scree {
 
@@ -59,7 +59,7 @@ double speed_of_cell(const RunState& s) {
 
 double NeighbourLists::skin_for(const RunState& s, double fastest) const {
   const double smallest = s.facts.smallest_radius;
-  const bool balls = go_without_break(s);
+  const bool balls = are_effects_idle(s) && are_balls_alone(s);
   double skin = std::clamp(2 * (balls ? kListStepsOfBalls : kListSteps) * fastest * s.clock.dt,
                            (balls ? kSmallestSkinOfBalls : kSmallestListSkin) * smallest, kLargestListSkin * smallest);
   // a quarter of a period holds the reach of a body, its half of the skin included (see check_period)

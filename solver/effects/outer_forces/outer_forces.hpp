@@ -75,6 +75,7 @@ class OuterForces : public Effect {
   std::int64_t held_count(const RunState& s) const;
 
   // 2. As an effect.
+  bool is_idle() const override { return is_current_ && functions_.empty() && acting_.row.empty(); }
   void drift(RunState& s) override;
   void after_migration(RunState& s, bool left) override;
   void on_rebuild(const StepParts& parts) override;
