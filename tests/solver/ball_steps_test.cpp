@@ -160,7 +160,7 @@ TEST(BallSteps, have_the_bits_of_single_steps_for_any_number_of_balls_and_in_a_c
   const int threads = omp_get_max_threads();
   for (const int count : {1, 7, 8, 9, 17}) {
     SCOPED_TRACE(count);
-    omp_set_num_threads(count == 9 ? 3 : 1);  // more than there are groups of eight
+    omp_set_num_threads(count == 7 ? 2 : 1);  // more than there are groups of eight
     Scene scene = falling_balls(ContactLaw::hertz_mindlin, 0.5, false);
     scene.bodies = {};
     scene.walls.clear();
