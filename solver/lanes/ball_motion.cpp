@@ -193,9 +193,11 @@ void group_balls(const ParticleSet& p, std::size_t begin, std::size_t end, BallG
       group.inverse_mass[n] = is_one ? p.inverse_mass[i] : 0;
       group.inverse_inertia[n] = is_one ? p.inverse_inertia[i].x : 0;
       group.radius[n] = is_one ? p.ball_radius[i] : 1;
-      rows[i] = is_one ? BallRow{{p.x[i]}, {p.v[i]}, {p.w[i]}, {p.ball_radius[i] * p.w[i]}} : BallRow{};
+      if (!is_one) rows[i] = {};
     }
   }
+  const std::size_t first = begin * BallGroup::kBalls, last = std::min(end * BallGroup::kBalls, p.owned);
+  if (first < last) collect_ball_rows(p, first, last, rows);
 }
 
 void ungroup_balls(const BallGroup* groups, const BallRow* rows, std::size_t begin, std::size_t end, ParticleSet& p) {

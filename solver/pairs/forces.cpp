@@ -135,59 +135,51 @@ namespace {
 /// What a pass is for, besides forces.
 enum class Purpose { forces, examination, rest };
 
-/// Which part of a class whose pairs lie in blocks.
-struct BlockPart {
-  std::optional<PairClass> blocks{};               ///< with those in blocks
-  const std::vector<std::int32_t>* due = nullptr;  ///< of the others these alone; scratch.ball_rows are there
-  bool has_columns = true, keeps_blocks = false;   ///< see PairPass; whether blocks stay as they are
-  /// Where pairs are left for a second part, the first leaves here what it has found, and the second judges both.
-  Deepest* first = nullptr;
-  std::span<const std::int32_t> all{};           ///< the pairs that the second part judges
-  const std::function<void()>* after = nullptr;  ///< is called before that
-};
+PairPass make_pass(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double dt, double friction_dt,
+                   ForceScratch& scratch, PairList& list, PairObservers observers, Purpose purpose) {
+  // a barrier makes room for gaps that are otherwise too near to be followed
+  const double stop_ratio = scene.source().settings.barrier > 0 ? 1 - kBarrierShare * kMinBarrierGap : kStopOverlapRatio;
+  return {scene,
+          p,
+          walls,
+          dt,
+          friction_dt,
+          scratch,
+          list,
+          observers,
+          pair_force_function(scene.law_choice()),
+          scene.ball_laws().kind != LaneLawKind::none ? ball_force_function(scene.law_choice()) : nullptr,
+          pair_holds_function(scene.law_choice()),
+          stop_ratio,
+          !scene.source().bonds.empty(),
+          scene.continues(),
+          purpose == Purpose::examination,
+          purpose == Purpose::rest};
+}
+
+/// Computes pairs, and with them those in blocks where the pass has some.
+Deepest compute(PairPass& pass, std::span<const std::int32_t> which) {
+  const std::size_t threads = pass.scratch.distance.size();
+  if (pass.holds != nullptr || pass.scene.law_choice().yields) pass.scratch.released.resize(threads);
+  if (pass.continues) pass.scratch.deep.resize(threads);
+  Deepest deepest;
+  ContactModels::choose(pass.scene.law_choice().gathering, [&]<class Model>() { deepest = evaluate_all<Model>(pass, which); });
+  return deepest;
+}
+
+/// Ends a pass that makes the run invalid.   in   which   all its pairs
+double judged(const PairPass& pass, std::span<const std::int32_t> which, std::int64_t step, const Deepest& deepest) {
+  if (deepest.too_deep) pass.list.write_back();
+  check_pass(pass, which, step, deepest);
+  return deepest.overlap;
+}
 
 double evaluate(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::span<const std::int32_t> which,
                 double dt, double friction_dt, std::int64_t step, ForceScratch& scratch, PairList& list, PairObservers observers,
-                Purpose purpose, const BlockPart& part = {}) {
-  const std::optional<PairClass>& blocks = part.blocks;
-  if (!blocks && !part.keeps_blocks) list.write_back();
-  // a barrier makes room for gaps that are otherwise too near to be followed
-  const double stop_ratio = scene.source().settings.barrier > 0 ? 1 - kBarrierShare * kMinBarrierGap : kStopOverlapRatio;
-  PairPass pass{scene,
-                p,
-                walls,
-                dt,
-                friction_dt,
-                scratch,
-                list,
-                observers,
-                pair_force_function(scene.law_choice()),
-                scene.ball_laws().kind != LaneLawKind::none ? ball_force_function(scene.law_choice()) : nullptr,
-                pair_holds_function(scene.law_choice()),
-                stop_ratio,
-                !scene.source().bonds.empty(),
-                scene.continues(),
-                purpose == Purpose::examination,
-                purpose == Purpose::rest,
-                blocks,
-                part.due != nullptr,
-                part.has_columns};
-  if (pass.holds != nullptr || scene.law_choice().yields) scratch.released.resize(scratch.distance.size());
-  if (pass.continues) scratch.deep.resize(scratch.distance.size());
-  Deepest deepest;
-  const std::span<const std::int32_t> listed = part.due != nullptr ? *part.due : blocks ? list.blocks().others(*blocks) : which;
-  ContactModels::choose(scene.law_choice().gathering, [&]<class Model>() { deepest = evaluate_all<Model>(pass, listed); });
-  if (part.first != nullptr) {
-    if (part.due != nullptr && !scratch.left.empty()) {
-      *part.first = deepest;
-      return deepest.overlap;
-    }
-    deepest = {std::max(deepest.overlap, part.first->overlap), deepest.too_deep || part.first->too_deep};
-  }
-  if (part.after != nullptr) (*part.after)();
-  if (deepest.too_deep) list.write_back();
-  check_pass(pass, part.after != nullptr ? part.all : which, step, deepest);
-  return deepest.overlap;
+                Purpose purpose) {
+  list.write_back();
+  PairPass pass = make_pass(scene, p, walls, dt, friction_dt, scratch, list, observers, purpose);
+  return judged(pass, which, step, compute(pass, which));
 }
 
 class Visitor : public PairObserver {
@@ -234,7 +226,9 @@ double evaluate_class(const SolverScene& scene, const ParticleSet& p, const std:
       may_use_blocks(scene, p) && friction_dt > 0 && friction_dt == dt && scratch.pair_seconds.empty() && !any_observes_bodies(observers);
   if (!in_blocks) return evaluate_pairs(scene, p, walls, all, dt, friction_dt, step, scratch, list, observers);
   list.fill_blocks(scene, p, which);
-  return evaluate(scene, p, walls, all, dt, friction_dt, step, scratch, list, observers, Purpose::forces, {which});
+  PairPass pass = make_pass(scene, p, walls, dt, friction_dt, scratch, list, observers, Purpose::forces);
+  pass.blocks = which;
+  return judged(pass, all, step, compute(pass, list.blocks().others(which)));
 }
 
 double evaluate_blocks(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, PairClass which,
@@ -243,22 +237,25 @@ double evaluate_blocks(const SolverScene& scene, const ParticleSet& p, const std
   const std::vector<std::int32_t>& all = which == PairClass::inner   ? list.inner()
                                          : which == PairClass::outer ? list.outer()
                                                                      : list.duplicated();
+  PairPass pass = make_pass(scene, p, walls, dt, dt, scratch, list, {}, Purpose::forces);
+  pass.blocks = which;
+  pass.has_ball_rows = true;
+  pass.has_columns = false;
   scratch.left.clear();
-  Deepest first;
-  const double largest =
-      evaluate(scene, p, walls, all, dt, dt, step, scratch, list, {}, Purpose::forces, {which, &due, false, false, &first});
-  if (scratch.left.empty()) return largest;
-  write_columns();
-  std::vector<std::int32_t> left = scratch.left;
-  std::sort(left.begin(), left.end());
-  const std::function<void()> take_out = [&] {
-    std::vector<std::int32_t> begun;
+  Deepest deepest = compute(pass, due);
+  if (!scratch.left.empty()) {
+    write_columns();
+    std::vector<std::int32_t> left = scratch.left, begun;
+    std::sort(left.begin(), left.end());
+    pass.blocks.reset();
+    pass.has_columns = true;
+    const Deepest of_left = compute(pass, left);
+    deepest = {std::max(deepest.overlap, of_left.overlap), deepest.too_deep || of_left.too_deep};
     for (const std::int32_t k : left)
       if (list.blocks().place_of(k) == BallBlocks::kWaits && list.stored_results()[static_cast<std::size_t>(k)].active) begun.push_back(k);
     list.take_out_of_blocks(which, begun, {}, p);
-  };
-  return evaluate(scene, p, walls, left, dt, dt, step, scratch, list, {}, Purpose::forces,
-                  {.keeps_blocks = true, .first = &first, .all = all, .after = &take_out});
+  }
+  return judged(pass, all, step, deepest);
 }
 
 void evaluate_at_rest(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,

@@ -165,37 +165,37 @@ void add_effects_of(std::size_t begin, std::size_t end, const RunState& s, doubl
   }
 }
 
+/// Adds what is done to walls in parts, by several threads: the sums are exact.
+/// in   action   (begin, end, totals) of the `count` things that each has   in   most   parts
+template <class Action>
+void add_in_parts(std::size_t count, std::size_t most, WallTotals& totals, Action&& action) {
+  const std::size_t parts = std::clamp<std::size_t>(most, 1, static_cast<std::size_t>(omp_get_max_threads()));
+  std::vector<WallTotals> others(parts - 1, WallTotals(totals.impulse.size()));
+#pragma omp parallel for schedule(static, 1) if (parts > 1)
+  for (std::size_t n = 0; n < parts; ++n) action(count * n / parts, count * (n + 1) / parts, n == 0 ? totals : others[n - 1]);
+  for (WallTotals& other : others) add(other, totals);
+}
+
 }  // namespace
 
 void add_wall_effects(const RunState& s, double dt, WallTotals& totals) {
-  // The sums are exact, so that threads may add up parts of them.
   constexpr std::size_t kWorthAThread = 64;  // pairs, 45 us: starting a thread and adding its part takes some 5 us
   const std::size_t count = s.pairs.with_walls().size();
-  const std::size_t parts = std::clamp<std::size_t>(count / kWorthAThread, 1, static_cast<std::size_t>(omp_get_max_threads()));
-  std::vector<WallTotals> others(parts - 1, WallTotals(totals.impulse.size()));
-#pragma omp parallel for schedule(static, 1) if (parts > 1)
-  for (std::size_t n = 0; n < parts; ++n)
-    add_effects_of(count * n / parts, count * (n + 1) / parts, s, dt, n == 0 ? totals : others[n - 1]);
-  for (WallTotals& other : others) add(other, totals);
+  add_in_parts(count, count / kWorthAThread, totals,
+               [&](std::size_t begin, std::size_t end, WallTotals& part) { add_effects_of(begin, end, s, dt, part); });
 }
 
 void add_wall_impulses_of_balls(const RunState& s, double dt, std::span<const std::int32_t> outside, WallTotals& totals) {
   const BallBlocks& blocks = s.pairs.blocks();
   const auto wall_of = [&s](std::int32_t zone) { return static_cast<std::size_t>(s.scene.zones()[static_cast<std::size_t>(zone)].wall); };
-  // exact sums, as in add_wall_effects()
-  const std::size_t count = blocks.with_walls().size();
-  const std::size_t parts = std::clamp<std::size_t>(count, 1, static_cast<std::size_t>(omp_get_max_threads()));
-  std::vector<WallTotals> others(parts - 1, WallTotals(totals.impulse.size()));
-#pragma omp parallel for schedule(static, 1) if (parts > 1)
-  for (std::size_t part = 0; part < parts; ++part) {
-    ImpulsesOfWalls impulses(part == 0 ? totals : others[part - 1]);
-    for (std::size_t n = count * part / parts; n < count * (part + 1) / parts; ++n) {
-      const std::int32_t block = blocks.with_walls()[n];
-      const std::size_t wall = wall_of(s.scene.ball_laws().zones[static_cast<std::size_t>(blocks.wall_of(block))].zone);
-      blocks.for_each_slot(block, [&](const BallSlot& slot) { impulses.add(wall, dt * -slot.force); });
+  const std::vector<std::int32_t>& with_walls = blocks.with_walls();
+  add_in_parts(with_walls.size(), with_walls.size(), totals, [&](std::size_t begin, std::size_t end, WallTotals& part) {
+    ImpulsesOfWalls impulses(part);
+    for (std::size_t n = begin; n < end; ++n) {
+      const std::size_t wall = wall_of(s.scene.ball_laws().zones[static_cast<std::size_t>(blocks.wall_of(with_walls[n]))].zone);
+      blocks.for_each_slot(with_walls[n], [&](const BallSlot& slot) { impulses.add(wall, dt * -slot.force); });
     }
-  }
-  for (WallTotals& other : others) add(other, totals);
+  });
   ImpulsesOfWalls impulses(totals);
   for (const std::int32_t k : outside) {
     const BodyPair& pair = s.pairs.stored_pairs()[static_cast<std::size_t>(k)];
