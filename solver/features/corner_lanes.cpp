@@ -41,11 +41,18 @@ HWY_INLINE void examine_in_lanes(const CornerQueue& queue, std::size_t k, Corner
   q = select(on_ab, a + t * ab, q);
   q = select(at_b, b, q);
   q = select(at_a, a, q);
+  Lane place = select(on_bc, Lane(1.0), Lane(-1.0));
+  place = select(on_ac, Lane(2.0), place);
+  place = select(at_c, Lane(5.0), place);
+  place = select(on_ab, zero, place);
+  place = select(at_b, Lane(4.0), place);
+  place = select(at_a, Lane(3.0), place);
   const Lane3 apart = p - q;
   const Lane squared = dot(apart, apart);
   q.x.store(out.nearest.x.data() + k);
   q.y.store(out.nearest.y.data() + k);
   q.z.store(out.nearest.z.data() + k);
+  place.store(out.place.data() + k);
   squared.store(out.squared.data() + k);
   sqrt(squared).store(out.distance.data() + k);
 }

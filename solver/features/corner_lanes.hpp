@@ -43,6 +43,7 @@ struct CornerQueue {
 
 struct CornerAnswers {
   CornerVectors nearest;  ///< point of the triangle
+  alignas(64) CornerVectors::Numbers place;  ///< of this point on the triangle, as in NearestOnTriangle
   alignas(64) CornerVectors::Numbers squared, distance;
 };
 

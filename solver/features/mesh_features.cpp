@@ -66,7 +66,7 @@ class CornerSide {
     thread_local std::vector<NearTriangle> near;
     thread_local std::vector<SurfaceMinimum> minima;
     near.clear();
-    for (std::size_t n = 0; n < end - begin; ++n) near.push_back({candidate(begin + n).triangle, looks.nearest(n), looks.squared(n)});
+    for (std::size_t n = 0; n < end - begin; ++n) near.push_back({candidate(begin + n).triangle, looks.place(n), looks.nearest(n), looks.squared(n)});
     find_minima(surface_, p, near, reach, sharing / surface_scale_, minima);
     for (const SurfaceMinimum& m : minima) {
       ContactFeature& f = add_feature(corner, m.place, p, m.foot, looks.distance(m.near), margin, features);
@@ -133,14 +133,15 @@ void for_both_sides(const PairBody& a, const PairBody& b, const RelativePose& po
 class PlainLooks {
  public:
   void clear() { looks_.clear(); }
-  void add(const Vec3& p, const Vec3& nearest) { looks_.push_back({nearest, squared_length(p - nearest)}); }
+  void add(const Vec3& p, const NearestOnTriangle& found) { looks_.push_back({found, squared_length(p - found.point)}); }
   double squared(std::size_t n) const { return looks_[n].squared; }
   double distance(std::size_t n) const { return std::sqrt(looks_[n].squared); }
-  const Vec3& nearest(std::size_t n) const { return looks_[n].nearest; }
+  const Vec3& nearest(std::size_t n) const { return looks_[n].found.point; }
+  int place(std::size_t n) const { return looks_[n].found.place; }
 
  private:
   struct Look {
-    Vec3 nearest;
+    NearestOnTriangle found;
     double squared;
   };
   std::vector<Look> looks_;
@@ -153,6 +154,7 @@ struct LaneLooks {
   double squared(std::size_t n) const { return answers.squared[first + n]; }
   double distance(std::size_t n) const { return answers.distance[first + n]; }
   Vec3 nearest(std::size_t n) const { return answers.nearest.at(first + n); }
+  int place(std::size_t n) const { return static_cast<int>(answers.place[first + n]); }
 };
 
 }  // namespace
@@ -188,7 +190,7 @@ void mesh_corner_features(const PairBody& a, const PairBody& b, const RelativePo
       const Vec3 p = side.place(corner);
       looks.clear();
       for (std::size_t n = begin; n < end; ++n)
-        looks.add(p, nearest_on_triangle(p, side.triangle_corner(n, 0), side.triangle_corner(n, 1), side.triangle_corner(n, 2)).point);
+        looks.add(p, nearest_on_triangle(p, side.triangle_corner(n, 0), side.triangle_corner(n, 1), side.triangle_corner(n, 2)));
       side.finish_features(corner, begin, end, p, looks, margin, sharing, size, lists, features);
     });
   });

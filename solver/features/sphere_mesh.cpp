@@ -71,8 +71,8 @@ void sphere_mesh_features(const PairBody& a, const PairBody& b, double margin, d
     if (candidate.slack > motion) continue;
     const TriangleMesh& mesh = shape.mesh;
     const std::int32_t t = candidate.triangle;
-    const Vec3 foot = nearest_on_triangle(centre, mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)).point;
-    near.push_back({t, foot, squared_length(centre - foot)});
+    const auto [foot, place] = nearest_on_triangle(centre, mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2));
+    near.push_back({t, place, foot, squared_length(centre - foot)});
   }
   find_minima(shape, centre, near, reach, sharing_of(roles) / roles.mesh->scale, minima);
   for (const SurfaceMinimum& m : minima) {

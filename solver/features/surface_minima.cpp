@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry/nearest_on_triangle.hpp"
-
 namespace scree {
 
 namespace {
@@ -31,7 +29,13 @@ struct Foot {
   std::int64_t place = 0;
 };
 
+/// What the foot of a near triangle is to the point.
+struct FootRole {
+  bool is_minimum = false, is_screen = false;
+};
+
 struct MinimaWorkspace {
+  std::vector<FootRole> roles;  // of the near triangles
   std::vector<Foot> minima, screens;
   std::vector<double> visible;  // v_i
   std::vector<Vec3> visible_gradient;
@@ -101,8 +105,8 @@ void set_edge(const SolverShape& shape, std::int32_t triangle, std::size_t k, Fo
 }
 
 /// What of the surface holds a foot: how its direction turns, and its name.
-void set_kind(const SolverShape& shape, const std::vector<NearTriangle>& near, int place, Foot& foot) {
-  const std::int32_t triangle = near[foot.near].triangle;
+void set_kind(const SolverShape& shape, const std::vector<NearTriangle>& near, Foot& foot) {
+  const auto& [triangle, place, q, squared] = near[foot.near];
   const auto t = static_cast<std::size_t>(triangle);
   foot.region = shape.features.region[t];
   foot.kind = FootKind::face;
@@ -126,36 +130,36 @@ void set_kind(const SolverShape& shape, const std::vector<NearTriangle>& near, i
 
 bool same_place(const Foot& a, const Foot& b) { return squared_length(a.q - b.q) < kSameFoot * kSameFoot * b.squared; }
 
-/// Minima and screens among the feet of the near triangles.
-void find_feet(const SolverShape& shape, const Vec3& p, const std::vector<NearTriangle>& near, double within, MinimaWorkspace& work) {
+FootRole role_of(const SolverShape& shape, const std::vector<NearTriangle>& near, std::size_t i) {
+  const NearTriangle& at = near[i];
+  FootRole role{true, true};
+  if (at.place < 0) return role;
+  const auto triangle = static_cast<std::size_t>(at.triangle);
+  const HeldVertices held(shape.mesh.triangles[triangle], at.place);
+  const double limit = at.squared * (1 - kNearer);
+  for (const NearTriangle& other : near) {
+    if (!(other.squared < limit) || !held.are_in(shape.mesh.triangles[static_cast<std::size_t>(other.triangle)])) continue;
+    role.is_minimum = false;
+    if (shape.features.region[static_cast<std::size_t>(other.triangle)] == shape.features.region[triangle]) role.is_screen = false;
+  }
+  return role;
+}
+
+/// Minima and screens among the feet of the near triangles.   in   work.roles
+void find_feet(const SolverShape& shape, const Vec3& p, const std::vector<NearTriangle>& near, MinimaWorkspace& work) {
   work.minima.clear();
   work.screens.clear();
   for (std::size_t i = 0; i < near.size(); ++i) {
-    const NearTriangle& at = near[i];
-    if (!(at.squared < within * within) || !(at.squared > 0)) continue;
-    const int place =
-        nearest_on_triangle(p, shape.mesh.corner(at.triangle, 0), shape.mesh.corner(at.triangle, 1), shape.mesh.corner(at.triangle, 2))
-            .place;
-    const Triangle& triangle = shape.mesh.triangles[static_cast<std::size_t>(at.triangle)];
-    const std::int32_t region = shape.features.region[static_cast<std::size_t>(at.triangle)];
-    bool is_minimum = true, is_screen = true;
-    if (place >= 0) {
-      const HeldVertices held(triangle, place);
-      const double limit = at.squared * (1 - kNearer);
-      for (const NearTriangle& other : near) {
-        if (!(other.squared < limit) || !held.are_in(shape.mesh.triangles[static_cast<std::size_t>(other.triangle)])) continue;
-        is_minimum = false;
-        if (shape.features.region[static_cast<std::size_t>(other.triangle)] == region) is_screen = false;
-      }
-    }
+    const auto [is_minimum, is_screen] = work.roles[i];
     if (!is_minimum && !is_screen) continue;
+    const NearTriangle& at = near[i];
     Foot foot;
     foot.near = i;
     foot.q = at.foot;
     foot.squared = at.squared;
     foot.g = std::sqrt(at.squared);
     foot.n = (1 / foot.g) * (p - at.foot);
-    set_kind(shape, near, place, foot);
+    set_kind(shape, near, foot);
     if (is_minimum) {
       const auto known = std::find_if(work.minima.begin(), work.minima.end(), [&](const Foot& m) { return same_place(m, foot); });
       if (known == work.minima.end())
@@ -163,9 +167,8 @@ void find_feet(const SolverShape& shape, const Vec3& p, const std::vector<NearTr
       else if (foot.squared < known->squared)
         *known = foot;
     }
-    if (is_screen &&
-        std::none_of(work.screens.begin(), work.screens.end(), [&](const Foot& s) { return s.region == region && same_place(s, foot); }))
-      work.screens.push_back(foot);
+    const auto is_known = [&](const Foot& s) { return s.region == foot.region && same_place(s, foot); };
+    if (is_screen && std::none_of(work.screens.begin(), work.screens.end(), is_known)) work.screens.push_back(foot);
   }
 }
 
@@ -242,6 +245,7 @@ void name_apart(const std::vector<NearTriangle>& near, std::vector<SurfaceMinimu
   const auto by_place = [](const SurfaceMinimum& l, const SurfaceMinimum& r) {
     return l.place != r.place ? l.place < r.place : l.near < r.near;
   };
+  if (minima.empty()) return;
   std::sort(minima.begin(), minima.end(), by_place);
   bool renamed = false;
   std::int64_t last = minima.front().place;
@@ -272,18 +276,25 @@ void find_minima(const SolverShape& shape, const Vec3& p, const std::vector<Near
       shape.is_convex || std::all_of(near.begin(), near.end(), [&](const NearTriangle& other) {
         return !(other.squared < within * within) || squared_length(other.foot - near[nearest].foot) < kSameFoot * kSameFoot * squared;
       });
-  if (one_place) {
+  const auto add_alone = [&] {
     Foot foot;
     foot.near = nearest;
-    const NearTriangle& at = near[nearest];
-    set_kind(shape, near,
-             nearest_on_triangle(p, shape.mesh.corner(at.triangle, 0), shape.mesh.corner(at.triangle, 1), shape.mesh.corner(at.triangle, 2))
-                 .place,
-             foot);
-    minima.push_back({nearest, at.foot, squared, foot.place, 1, {}, false});
+    set_kind(shape, near, foot);
+    minima.push_back({nearest, near[nearest].foot, squared, foot.place, 1, {}, false});
+  };
+  if (one_place) return add_alone();
+  std::size_t count = 0;
+  work.roles.assign(near.size(), {});
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    if (!(near[i].squared < within * within) || !(near[i].squared > 0)) continue;
+    work.roles[i] = role_of(shape, near, i);
+    if (work.roles[i].is_minimum) ++count;
+  }
+  if (count == 1) {  // the nearest: no screen is nearer, so that its weight is 1
+    if (std::sqrt(squared) < reach) add_alone();
     return;
   }
-  find_feet(shape, p, near, within, work);
+  find_feet(shape, p, near, work);
   weigh_minima(work, reach, sharing, minima);
   name_apart(near, minima);
 }

@@ -41,6 +41,7 @@ class CornerLanes : public testing::Test {
         const double squared = squared_length(p - expected.point);
         const Vec3 nearest = answers->nearest.at(n - begin);
         ASSERT_EQ(std::memcmp(&nearest, &expected.point, sizeof(nearest)), 0) << n << " region " << expected.place;
+        ASSERT_EQ(answers->place[n - begin], expected.place) << n;
         ASSERT_EQ(answers->squared[n - begin], squared) << n;
         ASSERT_EQ(answers->distance[n - begin], std::sqrt(squared)) << n;
         ++regions_[static_cast<std::size_t>(expected.place + 1)];

@@ -80,9 +80,9 @@ struct PointPotential {
   double at(const Vec3& p, Vec3* gradient = nullptr) {
     near.clear();
     for (std::int32_t t = 0; t < shape.mesh.triangle_count(); ++t) {
-      const Vec3 foot = nearest_on_triangle(p, shape.mesh.corner(t, 0), shape.mesh.corner(t, 1), shape.mesh.corner(t, 2)).point;
+      const auto [foot, place] = nearest_on_triangle(p, shape.mesh.corner(t, 0), shape.mesh.corner(t, 1), shape.mesh.corner(t, 2));
       if (const double squared = squared_length(p - foot); squared < (reach + sharing) * (reach + sharing))
-        near.push_back({t, foot, squared});
+        near.push_back({t, place, foot, squared});
     }
     find_minima(shape, p, near, reach, sharing, minima);
     if (gradient != nullptr) *gradient = {};
