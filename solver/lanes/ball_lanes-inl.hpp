@@ -17,6 +17,7 @@
 
 #include "solver/bodies/lanes-inl.hpp"
 #include "solver/lanes/ball_rows.hpp"
+#include "solver/lanes/columns-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace scree::HWY_NAMESPACE {
@@ -97,59 +98,12 @@ class Rows {
   hn::Vec<Integers> row_, three_, four_;
 };
 
-enum class Of : std::uint8_t { difference, sum, one };
-
-template <Of kOf, class Numbers>
-HWY_INLINE Numbers combined(Numbers of_a, Numbers of_b) {
-  if constexpr (kOf == Of::difference) return of_a - of_b;
-  if constexpr (kOf == Of::sum) return of_a + of_b;
-  return of_a;
-}
-
 /// Four numbers of A's rows less those of B's, their sums, or A's alone, a pair in each lane: column[j] has the number `first` + j.
-/// A gather costs as much as four of these shuffles, or more; sums are made first, so that half of the shuffles suffice.
 template <Of kOf>
 HWY_INLINE void load_quarters(const BallRow* rows, const std::int32_t* a, const std::int32_t* b, std::size_t first, Lane* column) {
   static_assert(sizeof(BallRow) == 16 * sizeof(double));
-  const auto at = [=](const std::int32_t* index, std::size_t lane) { return &rows[index[lane]].x.v.x + first; };
-#if HWY_TARGET == HWY_SCALAR
-  for (std::size_t j = 0; j < 4; ++j) column[j] = combined<kOf>(Lane(at(a, 0)[j]), Lane(at(b, 0)[j]));
-#elif HWY_TARGET <= HWY_AVX3
-  // a half of 256 bits is loaded into its place, which takes no shuffle: two stages are left
-  const auto halves_of = [&](const std::int32_t* index, std::size_t lane) {
-    return _mm512_mask_broadcast_f64x4(_mm512_castpd256_pd512(_mm256_load_pd(at(index, lane))), 0xf0, _mm256_load_pd(at(index, lane + 2)));
-  };
-  const auto halves = [&](std::size_t lane) {
-    return combined<kOf>(halves_of(a, lane), kOf == Of::one ? _mm512_setzero_pd() : halves_of(b, lane));
-  };
-  const __m512d p = halves(0), q = halves(1), r = halves(4), s = halves(5);
-  const __m512d lower0 = _mm512_unpacklo_pd(p, q), lower1 = _mm512_unpacklo_pd(r, s), upper0 = _mm512_unpackhi_pd(p, q),
-                upper1 = _mm512_unpackhi_pd(r, s);
-  column[0].v = hn::Vec<Tag<double>>{_mm512_shuffle_f64x2(lower0, lower1, 0x88)};
-  column[1].v = hn::Vec<Tag<double>>{_mm512_shuffle_f64x2(upper0, upper1, 0x88)};
-  column[2].v = hn::Vec<Tag<double>>{_mm512_shuffle_f64x2(lower0, lower1, 0xdd)};
-  column[3].v = hn::Vec<Tag<double>>{_mm512_shuffle_f64x2(upper0, upper1, 0xdd)};
-#else
-  const Tag<double> d;
-  const auto of_both = [&](std::size_t lane, std::size_t j) {
-    return combined<kOf>(Lane(hn::Load(d, at(a, lane) + j)), kOf == Of::one ? Lane(0.0) : Lane(hn::Load(d, at(b, lane) + j))).v;
-  };
-  if constexpr (kLanes == 2) {
-    for (std::size_t j = 0; j < 4; j += 2) {
-      const auto p = of_both(0, j), q = of_both(1, j);
-      column[j].v = hn::InterleaveLower(d, p, q);
-      column[j + 1].v = hn::InterleaveUpper(d, p, q);
-    }
-  } else {
-    const auto p = of_both(0, 0), q = of_both(1, 0), r = of_both(2, 0), s = of_both(3, 0);
-    const auto lower0 = hn::InterleaveLower(d, p, q), lower1 = hn::InterleaveLower(d, r, s), upper0 = hn::InterleaveUpper(d, p, q),
-               upper1 = hn::InterleaveUpper(d, r, s);
-    column[0].v = hn::ConcatLowerLower(d, lower1, lower0);
-    column[1].v = hn::ConcatLowerLower(d, upper1, upper0);
-    column[2].v = hn::ConcatUpperUpper(d, lower1, lower0);
-    column[3].v = hn::ConcatUpperUpper(d, upper1, upper0);
-  }
-#endif
+  load_columns<kOf>([=](std::size_t lane) { return &rows[a[lane]].x.v.x + first; },
+                    [=](std::size_t lane) { return &rows[b[lane]].x.v.x + first; }, column);
 }
 
 /// One wall in all lanes.

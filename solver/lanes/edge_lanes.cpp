@@ -10,35 +10,42 @@
 #include <hwy/highway.h>
 
 #include "solver/bodies/lanes-inl.hpp"
+#include "solver/lanes/columns-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace scree::HWY_NAMESPACE {
 
-using Whole = hn::RebindToSigned<Tag<double>>;
-
-/// A row of each lane, found by its distance from the first of all [bytes].
-class LaneRows {
+/// The numbers of EdgeRow, an edge in each lane.
+class LaneEdges {
  public:
-  HWY_INLINE LaneRows(const void* first, hn::Vec<Whole> offsets) : first_(static_cast<const double*>(first)), offsets_(offsets) {}
-  HWY_INLINE Lane number(std::size_t place) const { return hn::GatherOffset(Tag<double>(), first_ + place, offsets_); }
-  HWY_INLINE Lane3 vector(std::size_t place) const { return {number(place), number(place + 1), number(place + 2)}; }
+  HWY_INLINE explicit LaneEdges(const EdgeRow* const* rows) : rows_(rows) {
+    static_assert(offsetof(EdgeRow, ends) == 0 && offsetof(EdgeRow, into) == 6 * sizeof(double) &&
+                  offsetof(EdgeRow, conormal) == 12 * sizeof(double) && sizeof(EdgeRow) == 20 * sizeof(double));
+    Lane column[12];
+    for (std::size_t first = 0; first < 12; first += 4) load(first, column + first);
+    start = {column[0], column[1], column[2]};
+    along = {column[3], column[4], column[5]};
+    into[0] = {column[6], column[7], column[8]};
+    into[1] = {column[9], column[10], column[11]};
+  }
+  /// Most edges do not need them.
+  HWY_INLINE void load_conormals(Lane3* conormal) const {
+    Lane column[8];
+    load(12, column);
+    load(16, column + 4);  // and what stands after them
+    conormal[0] = {column[0], column[1], column[2]};
+    conormal[1] = {column[3], column[4], column[5]};
+  }
+
+  Lane3 start, along, into[2];
 
  private:
-  const double* first_;
-  hn::Vec<Whole> offsets_;
+  HWY_INLINE void load(std::size_t first, Lane* column) const {
+    load_columns([this, first](std::size_t lane) { return reinterpret_cast<const double*>(rows_[lane]) + first; }, column);
+  }
+
+  const EdgeRow* const* rows_;
 };
-
-/// Places in EdgeRow and EdgePose, in doubles.
-constexpr std::size_t place_of(std::size_t bytes) { return bytes / sizeof(double); }
-constexpr std::size_t kStart = place_of(offsetof(EdgeRow, ends) + offsetof(ShapeEdge, start)),
-                      kAlong = place_of(offsetof(EdgeRow, ends) + offsetof(ShapeEdge, along)), kInto = place_of(offsetof(EdgeRow, into)),
-                      kConormal = place_of(offsetof(EdgeRow, conormal));
-
-HWY_INLINE LaneRows rows_of(const EdgeRow* const* rows, const EdgeRow* first) {
-  alignas(64) std::int64_t offsets[kLanes];
-  for (std::size_t k = 0; k < kLanes; ++k) offsets[k] = reinterpret_cast<const char*>(rows[k]) - reinterpret_cast<const char*>(first);
-  return {first, hn::Load(Whole(), offsets)};
-}
 
 struct LaneRotation {
   Lane3 row[3];
@@ -58,15 +65,20 @@ HWY_INLINE Lane smaller(Lane a, Lane b) { return select(b < a, b, a); }  // std:
 
 HWY_INLINE void examine_in_lanes(const EdgeQueue& queue, std::size_t k, EdgeAnswers& out) {
   const Lane zero(0.0), half(0.5), one(1.0);
-  const LaneRows pose(queue.poses.data(), hn::ShiftLeft<7>(hn::LoadU(Whole(), queue.pose.data() + k)));
   static_assert(sizeof(EdgePose) == 128 && offsetof(EdgePose, margin) == 14 * sizeof(double));
-  const LaneRotation rotation{{pose.vector(0), pose.vector(3), pose.vector(6)}};
-  const Lane scale_a = pose.number(12), scale_b = pose.number(13), margin = pose.number(14);
-  const LaneRows a = rows_of(queue.a.data() + k, queue.a[0]), b = rows_of(queue.b.data() + k, queue.b[0]);
+  Lane pose[16];
+  for (std::size_t first = 0; first < 16; first += 4) {
+    const auto at = [&](std::size_t lane) { return queue.poses[static_cast<std::size_t>(queue.pose[k + lane])].rotation.data() + first; };
+    load_columns(at, pose + first);
+  }
+  const LaneRotation rotation{{{pose[0], pose[1], pose[2]}, {pose[3], pose[4], pose[5]}, {pose[6], pose[7], pose[8]}}};
+  const Lane3 centre{pose[9], pose[10], pose[11]};
+  const Lane scale_a = pose[12], scale_b = pose[13], margin = pose[14];
+  const LaneEdges a(queue.a.data() + k), b(queue.b.data() + k);
 
   // where the lines are nearest
-  const Lane3 pa = scale_a * a.vector(kStart), u = scale_a * a.vector(kAlong);
-  const Lane3 pb = rotation.times(scale_b * b.vector(kStart)) + pose.vector(9), v = rotation.times(scale_b * b.vector(kAlong));
+  const Lane3 pa = scale_a * a.start, u = scale_a * a.along;
+  const Lane3 pb = rotation.times(scale_b * b.start) + centre, v = rotation.times(scale_b * b.along);
   const Lane3 r0 = pa - pb;
   const Lane uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), ur = dot(u, r0), vr = dot(v, r0);
   const Lane det = uu * vv - uv * uv, sine2 = det / (uu * vv);
@@ -79,23 +91,28 @@ HWY_INLINE void examine_in_lanes(const EdgeQueue& queue, std::size_t k, EdgeAnsw
   // how far the normal leans out of the wedge over each face
   const Lane3 n_b = rotation.transpose_times(n);
   Lane y[4];
-  Lane3 conormal[4];
-  for (std::size_t i = 0; i < 4; ++i) {
-    const bool of_a = i < 2;
-    const std::size_t side = 3 * (i & 1);
+  Lane3 conormal[4];  // those of B in its own frame, until they are needed in that of A
+  for (const bool of_a : {true, false}) {
+    const std::size_t first = of_a ? 0 : 2;
     const Lane sign(of_a ? -1.0 : 1.0);
-    y[i] = zero;
-    conormal[i] = {zero, zero, zero};
-    const auto may_lean = sign * dot(of_a ? n : n_b, (of_a ? a : b).vector(kInto + side)) > zero;
-    if (!any(may_lean)) continue;
-    conormal[i] = of_a ? a.vector(kConormal + side) : rotation.times(b.vector(kConormal + side));
-    y[i] = select(may_lean, sign * dot(n, conormal[i]), zero);
-    found = found & (y[i] < Lane(kFadeWedge));
-  }
-  if (queue.has_walls) {
-    const Lane3 first = b.vector(kConormal), second = b.vector(kConormal + 3);
-    const auto in_fold = (dot(first, second) < Lane(kShallowFold)) & (dot(n_b, first) + dot(n_b, second) > zero);
-    found = found & !in_fold;
+    const LaneEdges& edges = of_a ? a : b;
+    const auto may_lean = [&](std::size_t side) { return sign * dot(of_a ? n : n_b, edges.into[side]) > zero; };
+    const Mask<double> leans[2] = {may_lean(0), may_lean(1)};
+    y[first] = y[first + 1] = zero;
+    const bool has_folds = !of_a && queue.has_walls;
+    if (!has_folds && !any(leans[0] | leans[1])) continue;
+    edges.load_conormals(conormal + first);
+    if (has_folds) {
+      const Lane3 &one_face = conormal[2], &other = conormal[3];
+      const auto in_fold = (dot(one_face, other) < Lane(kShallowFold)) & (dot(n_b, one_face) + dot(n_b, other) > zero);
+      found = found & !in_fold;
+    }
+    for (std::size_t side = 0; side < 2; ++side) {
+      Lane3& c = conormal[first + side];
+      if (!of_a) c = rotation.times(c);
+      y[first + side] = select(leans[side], sign * dot(n, c), zero);
+      found = found & (y[first + side] < Lane(kFadeWedge));
+    }
   }
 
   // a product of switches, and their slopes
