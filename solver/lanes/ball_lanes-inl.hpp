@@ -79,23 +79,22 @@ class Rows {
   HWY_INLINE explicit Rows(const std::int32_t* rows)
       : Rows(hn::PromoteTo(Integers(), hn::LoadU(hn::Rebind<std::int32_t, Integers>(), rows))) {}
   HWY_INLINE explicit Rows(const std::int64_t* rows) : Rows(hn::LoadU(Integers(), rows)) {}
-  HWY_INLINE Lane of(const std::vector<double>& column) const { return gather(column.data(), row_); }
+  HWY_INLINE Lane of(const std::vector<double>& column) const {
+    return {hn::GatherIndex(Tag<double>(), column.data(), hn::Load(Integers(), index_))};
+  }
   HWY_INLINE Lane3 of(const std::vector<Vec3>& column) const {
-    const double* first = &column.data()->x;
-    return {gather(first, three_), gather(first + 1, three_), gather(first + 2, three_)};
+    return load_vectors([&](std::size_t lane) { return &column.data()[index_[lane]].x; });
   }
   HWY_INLINE LaneQuat of(const std::vector<Quat>& column) const {
-    const double* first = &column.data()->w;
-    return {gather(first, four_), gather(first + 1, four_), gather(first + 2, four_), gather(first + 3, four_)};
+    Lane q[4];
+    load_columns([&](std::size_t lane) { return &column.data()[index_[lane]].w; }, q);
+    return {q[0], q[1], q[2], q[3]};
   }
 
  private:
   using Integers = hn::RebindToSigned<Tag<double>>;
-  HWY_INLINE explicit Rows(hn::Vec<Integers> rows)
-      : row_(rows), three_(hn::Add(row_, hn::Add(row_, row_))), four_(hn::ShiftLeft<2>(row_)) {}
-  static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Quat) == 4 * sizeof(double));
-  static HWY_INLINE Lane gather(const double* from, hn::Vec<Integers> index) { return hn::GatherIndex(Tag<double>(), from, index); }
-  hn::Vec<Integers> row_, three_, four_;
+  HWY_INLINE explicit Rows(hn::Vec<Integers> rows) { hn::Store(rows, Integers(), index_); }
+  alignas(64) std::int64_t index_[kLanes];
 };
 
 /// Four numbers of A's rows less those of B's, their sums, or A's alone, a pair in each lane: column[j] has the number `first` + j.
