@@ -66,13 +66,14 @@ class CornerSide {
     thread_local std::vector<NearTriangle> near;
     thread_local std::vector<SurfaceMinimum> minima;
     near.clear();
-    for (std::size_t n = 0; n < end - begin; ++n) near.push_back({candidate(begin + n).triangle, looks.place(n), looks.nearest(n), looks.squared(n)});
+    for (std::size_t n = 0; n < end - begin; ++n)
+      near.push_back({candidate(begin + n).triangle, looks.place(n), looks.nearest(n), looks.squared(n)});
     find_minima(surface_, p, near, reach, sharing / surface_scale_, minima);
     for (const SurfaceMinimum& m : minima) {
       ContactFeature& f = add_feature(corner, m.place, p, m.foot, looks.distance(m.near), margin, features);
       f.weight = m.weight;
-      f.faded = m.varies;
       if (!m.varies) continue;
+      f.faded = true;
       // a vertex of A moves with A; one of B goes the other way in the frame of the surface
       const Vec3 gradient = (kOfA ? 1 : -1) / surface_scale_ * m.gradient, from = from_.scale * from_.shape->corner(corner);
       f.weight_gradient.force = kOfA ? pose_.rotation * gradient : gradient;
@@ -84,17 +85,18 @@ class CornerSide {
   /// in   p, foot   of the corner, in the frame and scale of the triangles
   ContactFeature& add_feature(std::int32_t corner, std::int64_t place, const Vec3& p, const Vec3& foot, double distance, double margin,
                               std::vector<ContactFeature>& features) const {
-    ContactFeature& f = features.emplace_back();
-    f.key = make_key(kOfA ? kCornerOfA : kCornerOfB, corner, place);
-    f.overlap = margin - surface_scale_ * distance;
-    f.weight = 1;
-    f.cluster = from_.cluster(corner);
     // At gap 0 there is no direction; the guard on overlap over margin stops the run before this can matter.
     const Vec3 direction = distance > 0 ? (1 / distance) * (p - foot) : Vec3{};
     const Vec3 middle = surface_scale_ * (0.5 * (p + foot));
-    f.x = kOfA ? pose_.a_from_b(middle) : middle;
-    f.n = kOfA ? pose_.rotation * direction : -direction;
-    return f;
+    features.push_back({make_key(kOfA ? kCornerOfA : kCornerOfB, corner, place),
+                        kOfA ? pose_.a_from_b(middle) : middle,
+                        kOfA ? pose_.rotation * direction : -direction,
+                        margin - surface_scale_ * distance,
+                        1,
+                        from_.cluster(corner),
+                        false,
+                        {}});
+    return features.back();
   }
   /// No triangle of a corner is nearer than this [m].   in   looked   distance of the nearest of those that are due [m]
   double nearest_of_all(std::int32_t corner, std::size_t begin, std::size_t end, double looked, double margin,

@@ -41,10 +41,9 @@ double motion_since_listed(const CandidateLists& lists, const RelativePose& pose
 }
 
 double follow_motion(CandidateLists& lists, const RelativePose& pose, double radius_a, double radius_b) {
-  constexpr double kRounding = 1 + 1e-9;  // far above that of a sum of as many steps as there may be
   const Vec3 centre = centre_of_smaller(pose, radius_a, radius_b);
   const double size = std::min(radius_a, radius_b);
-  lists.way += kRounding * motion_between(centre, pose.turn, lists.last_centre, lists.last_turn, size);
+  lists.way += kWayRounding * motion_between(centre, pose.turn, lists.last_centre, lists.last_turn, size);
   lists.last_centre = centre;
   lists.last_turn = pose.turn;
   return motion_between(centre, pose.turn, lists.centre, lists.turn, size);

@@ -61,21 +61,23 @@ struct EdgeCandidate {
   float slack;
 };
 
-/// Kept candidates of one pair, and the relative pose they were found at.
-struct CandidateLists {
+/// Kept candidates of one pair, and the relative pose they were found at. What every step reads of it comes first, in fours as lanes load
+/// them (lanes/mesh_poses.hpp).
+struct alignas(64) CandidateLists {
+  Vec3 centre;       ///< of the smaller body in the larger one's frame, when listed [m]
+  double skin = -1;  ///< [m]; < 0: no lists yet
+  Quat turn;         ///< B to A, when listed
+  Vec3 last_centre;  ///< as `centre` and `turn`, at the end of the way
+  double way = 0;    ///< of the pair: motion from step to step since listed, so that slacks can count from any step [m]
+  Quat last_turn;
+  double first_slack = 0;       ///< motion at which the first candidate, or what is not listed, can come within the margin [m]
+  double next_examination = 0;  ///< way at which the first candidate of two meshes that have no feature is to be looked at [m]
+  std::vector<float> slacks;    ///< of all candidates of two meshes, as they are now (due_candidates.hpp) [m]
   std::vector<CornerCandidate> corners_a, corners_b;  ///< sorted by (corner, triangle)
   std::vector<EdgeCandidate> edges;                   ///< sorted by (edge_a, edge_b)
-  Vec3 centre;                                        ///< of the smaller body in the larger one's frame, when listed [m]
-  Quat turn;                                          ///< B to A, when listed
-  double skin = -1;                                   ///< [m]; < 0: no lists yet
-  double first_slack = 0;  ///< motion at which the first candidate, or what is not listed, can come within the margin [m]
-  // the way of the pair: motion from step to step since listed, so that slacks can count from any step
-  std::vector<float> slacks;    ///< of all candidates of two meshes, as they are now (due_candidates.hpp) [m]
-  double way = 0;               ///< [m]
-  double next_examination = 0;  ///< way at which the first candidate of two meshes that have no feature is to be looked at [m]
-  Vec3 last_centre;             ///< as `centre` and `turn`, at the end of the way
-  Quat last_turn;
 };
+/// Of a step's motion in the way of a pair: far above the rounding of a sum of as many steps as there may be.
+inline constexpr double kWayRounding = 1 + 1e-9;
 
 /// One feature below the margin.
 struct Feature6 {

@@ -66,6 +66,18 @@ void view_own_margins(const SolverScene& scene, PairView& view) {
   if (has_other && view.b.weights != nullptr) view.b.cluster_scale = view.cluster_depth / depth_b;
 }
 
+/// What does not depend on the pose, of bodies that are known.
+void view_margins(const SolverScene& scene, PairView& view) {
+  if (scene.margins_by_size()) {
+    view_own_margins(scene, view);
+  } else {
+    view.margin = view.max_overlap = 2 * scene.margin();
+    view.cluster_depth = scene.margin();
+  }
+  view.reach = view.margin + scene.reach();
+  view.weights_follow_overlap = scene.weights_follow_overlap() && view.cells == CellSide::none;
+}
+
 }  // namespace
 
 BallContactRows find_ball_contact(const LaneLaws& laws, const ParticleSet& p, std::int32_t a, std::int32_t b, std::int32_t zone) {
@@ -102,16 +114,23 @@ PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vect
     if (b >= 0) view.b.q = {};
   }
   view.geometry = geometry_of(view);
-  if (scene.margins_by_size()) {
-    view_own_margins(scene, view);
-  } else {
-    view.margin = view.max_overlap = 2 * scene.margin();
-    view.cluster_depth = scene.margin();
-  }
-  view.reach = view.margin + scene.reach();
-  view.weights_follow_overlap = scene.weights_follow_overlap() && view.cells == CellSide::none;
+  view_margins(scene, view);
   view.pose = RelativePose(view.a, view.b);
   return view;
+}
+
+void view_two_meshes(const SolverScene& scene, const ParticleSet& p, std::int32_t a, std::int32_t b, const RelativePose& pose,
+                     PairView& view) {
+  const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
+  view.a = {&scene.shape(p.shape[i]), p.scale[i], p.x[i], p.q[i], p.weights[i]};
+  view.radius_a = p.radius[i];
+  view.off_middle = view.cell_size = 0;
+  view.zone = nullptr;
+  view.cells = CellSide::none;
+  view_body(scene, p, i, j, view);
+  view.geometry = PairGeometry::two_meshes;
+  view_margins(scene, view);
+  view.pose = pose;
 }
 
 PullView pull_view_of(const SolverScene& scene, const ParticleSet& p, std::int32_t a, std::int32_t b, const PairView& view, double range) {

@@ -59,6 +59,10 @@ inline double sharing_of_vertices(const PairView& view) { return kSharingOfVerti
 PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::int32_t a, std::int32_t b,
                  std::int32_t zone);
 
+/// The same of two bodies that are meshes, whose pose is known.   out   view   all of it
+void view_two_meshes(const SolverScene& scene, const ParticleSet& p, std::int32_t a, std::int32_t b, const RelativePose& pose,
+                     PairView& view);
+
 /// What an attraction needs of both sides to weigh features beside their weights in the push.
 struct PullView {
   double range = 0;  ///< of the attraction of the two materials [m]; 0: none

@@ -34,6 +34,7 @@ class LaneMatrix {
   }
   HWY_INLINE Lane3 times(const Lane3& v) const { return {dot(rows_[0], v), dot(rows_[1], v), dot(rows_[2], v)}; }
   HWY_INLINE Lane3 transpose_times(const Lane3& v) const { return v.x * rows_[0] + v.y * rows_[1] + v.z * rows_[2]; }
+  HWY_INLINE const Lane3& row(std::size_t i) const { return rows_[i]; }
 
  private:
   Lane3 rows_[3];
@@ -165,28 +166,9 @@ class LawRows {
   bool is_one_;
 };
 
-/// A vector and a number of each lane as rows of `stride` numbers. What StoreInterleaved4 does, but for the gaps between rows.
+/// A vector and a number of each lane as rows of `stride` numbers.
 HWY_INLINE void store_rows(const Lane3& v, Lane last, double* to, std::size_t stride) {
-#if HWY_TARGET <= HWY_AVX3
-  const __m512d x = v.x.v.raw, y = v.y.v.raw, z = v.z.v.raw, w = last.v.raw;
-  const __m512d even01 = _mm512_unpacklo_pd(x, y), odd01 = _mm512_unpackhi_pd(x, y), even23 = _mm512_unpacklo_pd(z, w),
-                odd23 = _mm512_unpackhi_pd(z, w);
-  const __m512i first = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11), second = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
-  const __m512d rows02 = _mm512_permutex2var_pd(even01, first, even23), rows46 = _mm512_permutex2var_pd(even01, second, even23),
-                rows13 = _mm512_permutex2var_pd(odd01, first, odd23), rows57 = _mm512_permutex2var_pd(odd01, second, odd23);
-  const auto store = [to, stride](std::size_t row, __m512d two) {
-    _mm256_store_pd(to + row * stride, _mm512_castpd512_pd256(two));
-    _mm256_store_pd(to + (row + 2) * stride, _mm512_extractf64x4_pd(two, 1));
-  };
-  store(0, rows02);
-  store(1, rows13);
-  store(4, rows46);
-  store(5, rows57);
-#else
-  alignas(64) double rows[4 * kLanes];
-  hn::StoreInterleaved4(v.x.v, v.y.v, v.z.v, last.v, Tag<double>(), rows);
-  for (std::size_t lane = 0; lane < kLanes; ++lane) std::memcpy(to + lane * stride, rows + 4 * lane, 4 * sizeof(double));
-#endif
+  store_columns([=](std::size_t lane) { return to + lane * stride; }, v, last);
 }
 
 /// Four numbers of each pair from `k` on: three of a vector and one.

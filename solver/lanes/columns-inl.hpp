@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "solver/bodies/lanes-inl.hpp"
 
@@ -108,6 +109,31 @@ HWY_INLINE Lane3 load_vectors(At&& at) {
   transpose(half, column);
 #endif
   return {column[0], column[1], column[2]};
+}
+
+/// A vector and a number of each lane: what StoreInterleaved4 does, wherever the rows lie.   in   to   (lane): the first of four numbers
+template <class To>
+HWY_INLINE void store_columns(To&& to, const Lane3& v, Lane last) {
+#if HWY_TARGET <= HWY_AVX3
+  const __m512d x = v.x.v.raw, y = v.y.v.raw, z = v.z.v.raw, w = last.v.raw;
+  const __m512d even01 = _mm512_unpacklo_pd(x, y), odd01 = _mm512_unpackhi_pd(x, y), even23 = _mm512_unpacklo_pd(z, w),
+                odd23 = _mm512_unpackhi_pd(z, w);
+  const __m512i first = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11), second = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
+  const __m512d rows02 = _mm512_permutex2var_pd(even01, first, even23), rows46 = _mm512_permutex2var_pd(even01, second, even23),
+                rows13 = _mm512_permutex2var_pd(odd01, first, odd23), rows57 = _mm512_permutex2var_pd(odd01, second, odd23);
+  const auto store = [&to](std::size_t row, __m512d two) {
+    _mm256_storeu_pd(to(row), _mm512_castpd512_pd256(two));
+    _mm256_storeu_pd(to(row + 2), _mm512_extractf64x4_pd(two, 1));
+  };
+  store(0, rows02);
+  store(1, rows13);
+  store(4, rows46);
+  store(5, rows57);
+#else
+  alignas(64) double rows[4 * kLanes];
+  hn::StoreInterleaved4(v.x.v, v.y.v, v.z.v, last.v, Tag<double>(), rows);
+  for (std::size_t lane = 0; lane < kLanes; ++lane) std::memcpy(to(lane), rows + 4 * lane, 4 * sizeof(double));
+#endif
 }
 
 // NOLINTNEXTLINE(google-readability-namespace-comments)

@@ -34,13 +34,47 @@ double candidate_skin(const PairView& view, const PairVelocities& m, double dt) 
   return std::clamp(skin_steps(view) * speed * dt, lower, kLargestSkin * small);
 }
 
-bool is_fast(const PairView& view, const PairVelocities& m, double dt) {
+double squared_speed_of(const PairView& view, const PairVelocities& m) {
   const bool frame_is_a = view.radius_a > view.radius_b;
   const double small = frame_is_a ? view.radius_b : view.radius_a;
   const Vec3 velocity = (m.v_a - m.v_b) + cross(frame_is_a ? m.w_a : m.w_b, view.b.x - view.a.x);
+  return 2 * (squared_length(velocity) + small * small * squared_length(m.w_a - m.w_b));
+}
+
+bool is_fast(const PairView& view, double squared_speed, double dt) {
   constexpr double kRounding = 1 - 1e-9;  // these velocities are rounded otherwise than those
   const double limit = kRounding * (view.margin + half_radius_of_ball(view)) / dt;
-  return 2 * (squared_length(velocity) + small * small * squared_length(m.w_a - m.w_b)) > limit * limit;
+  return squared_speed > limit * limit;
+}
+
+double count_from_rest(const std::vector<FrictionSpring>& springs, PairFeatures& features) {
+  const FrictionSpring* const row = row_of<RestOverlap>(springs);
+  if (row == nullptr || features.has_layer) return 0;
+  const double rest_overlap = RestOverlap::of(*row).overlap;
+  double deepest = 0;
+  for (ContactFeature& f : features.list) {
+    deepest = std::max(deepest, f.overlap);
+    f.overlap -= rest_overlap;
+  }
+  std::erase_if(features.list, [](const ContactFeature& f) { return !(f.overlap > 0); });
+  return deepest > 0 ? rest_overlap : 0;
+}
+
+void set_result(const PairView& view, const PairForce& f, std::size_t features, const Mat3& a_to_world, PairResult& result) {
+  result.active = true;
+  result.contact_count = static_cast<std::int32_t>(features);
+  // torques about B's centre: T_B = (x_B - x_A) x F - T_A
+  const Vec3 branch = view.b.x - view.a.x;
+  result.force_a = a_to_world * f.force;
+  result.torque_a = a_to_world * f.torque;
+  result.torque_b = cross(branch, result.force_a) - result.torque_a;
+  result.dissipative_force_a = a_to_world * f.dissipative_force;
+  result.dissipative_torque_a = a_to_world * f.dissipative_torque;
+  result.dissipative_torque_b = cross(branch, result.dissipative_force_a) - result.dissipative_torque_a;
+  result.elastic = f.elastic;
+  result.tangential_elastic = f.tangential_elastic;
+  result.surface_power = f.surface_power;
+  result.overlap_ratio = view.max_overlap > 0 ? f.largest_overlap / view.max_overlap : 0;
 }
 
 void set_result(const PairView& view, const BallForce& force, PairResult& result) {

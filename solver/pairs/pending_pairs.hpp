@@ -38,6 +38,8 @@ class PendingPairs {
   }
   static bool could_have_room(const DueCandidates& due) { return due.edges <= kCornersAtOnce && due.edge_count() <= kEdgesAtOnce; }
 
+  /// A view that add() need not copy.
+  PairView& next_view() { return pairs_[count_].view; }
   /// in   due   there is room for them; becomes those of a pair that is done
   void add(std::int32_t k, double moved, const PairView& view, const CandidateLists& lists, DueCandidates& due);
 
@@ -69,7 +71,7 @@ class PendingPairs {
   void complete(PendingPair& pending, Places& first, CandidateLists& lists) const;
 
   std::size_t count_ = 0;
-  std::array<PendingPair, kPosesAtOnce> pairs_;
+  std::array<PendingPair, kPosesAtOnce + 1> pairs_;  // of the last, the view alone
   CornerQueue corners_;
   CornerAnswers found_corners_;
   EdgeQueue edges_;
