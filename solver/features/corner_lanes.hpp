@@ -42,7 +42,7 @@ struct CornerQueue {
 };
 
 struct CornerAnswers {
-  CornerVectors nearest;  ///< point of the triangle
+  CornerVectors nearest;                     ///< point of the triangle
   alignas(64) CornerVectors::Numbers place;  ///< of this point on the triangle, as in NearestOnTriangle
   alignas(64) CornerVectors::Numbers squared, distance;
 };

@@ -88,14 +88,14 @@ class CornerSide {
     // At gap 0 there is no direction; the guard on overlap over margin stops the run before this can matter.
     const Vec3 direction = distance > 0 ? (1 / distance) * (p - foot) : Vec3{};
     const Vec3 middle = surface_scale_ * (0.5 * (p + foot));
-    features.push_back({make_key(kOfA ? kCornerOfA : kCornerOfB, corner, place),
-                        kOfA ? pose_.a_from_b(middle) : middle,
-                        kOfA ? pose_.rotation * direction : -direction,
+    features.push_back({kOfA ? pose_.a_from_b(middle) : middle,
                         margin - surface_scale_ * distance,
+                        kOfA ? pose_.rotation * direction : -direction,
                         1,
+                        {},
                         from_.cluster(corner),
-                        false,
-                        {}});
+                        make_key(kOfA ? kCornerOfA : kCornerOfB, corner, place),
+                        false});
     return features.back();
   }
   /// No triangle of a corner is nearer than this [m].   in   looked   distance of the nearest of those that are due [m]
@@ -163,13 +163,12 @@ struct LaneLooks {
 
 void find_due_candidates(const CandidateLists& lists, DueCandidates& due) {
   find_due(lists.slacks, lists.way, due.indices);
-  const std::size_t of_b = lists.corners_a.size(), of_edges = of_b + lists.corners_b.size();
-  const auto place = [&](std::size_t first) {
-    return static_cast<std::size_t>(std::lower_bound(due.indices.begin(), due.indices.end(), static_cast<std::int32_t>(first)) -
-                                    due.indices.begin());
-  };
-  due.corners_of_b = place(of_b);
-  due.edges = place(of_edges);
+  const std::size_t of_b = lists.corners_a.size(), of_edges = of_b + lists.corners_b.size(), count = due.indices.size();
+  std::size_t n = 0;
+  while (n < count && static_cast<std::size_t>(due.indices[n]) < of_b) ++n;
+  due.corners_of_b = n;
+  while (n < count && static_cast<std::size_t>(due.indices[n]) < of_edges) ++n;
+  due.edges = n;
 }
 
 void queue_corners(const PairBody& a, const PairBody& b, const RelativePose& pose, const CandidateLists& lists, const DueCandidates& due,
@@ -212,13 +211,10 @@ void mesh_corner_features(const PairBody& a, const PairBody& b, const RelativePo
   });
 }
 
-void set_edge_slack(double lacks, double size, std::int32_t edge, CandidateLists& lists) {
-  lists.slacks[lists.corners_a.size() + lists.corners_b.size() + static_cast<std::size_t>(edge)] = slack_on_way(lists.way, lacks, size);
-}
-
-void mesh_edge_feature(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size, std::int32_t edge,
+void mesh_edge_feature(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size, std::int32_t index,
                        CandidateLists& lists, std::vector<ContactFeature>& features) {
-  set_edge_slack(examine_edges(a, b, pose, margin, size, lists.edges[static_cast<std::size_t>(edge)], features), size, edge, lists);
+  const double lacks = examine_edges(a, b, pose, margin, size, due_edge(lists, index), features);
+  lists.slacks[static_cast<std::size_t>(index)] = slack_on_way(lists.way, lacks, size);
 }
 
 void end_mesh_features(CandidateLists& lists, const std::vector<ContactFeature>& features) {
@@ -228,8 +224,7 @@ void end_mesh_features(CandidateLists& lists, const std::vector<ContactFeature>&
 void due_mesh_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double sharing, double size,
                        const DueCandidates& due, CandidateLists& lists, std::vector<ContactFeature>& features) {
   mesh_corner_features(a, b, pose, margin, sharing, size, due, lists, features);
-  for (std::size_t n = due.edges; n < due.indices.size(); ++n)
-    mesh_edge_feature(a, b, pose, margin, size, due_edge(lists, due.indices[n]), lists, features);
+  for (std::size_t n = due.edges; n < due.indices.size(); ++n) mesh_edge_feature(a, b, pose, margin, size, due.indices[n], lists, features);
   end_mesh_features(lists, features);
 }
 

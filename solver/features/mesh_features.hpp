@@ -36,14 +36,12 @@ void mesh_corner_features(const PairBody& a, const PairBody& b, const RelativePo
 void mesh_corner_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double sharing, double size,
                           const DueCandidates& due, const CornerLooks& looks, CandidateLists& lists, std::vector<ContactFeature>& features);
 
-/// Looks at one of lists.edges, appended to `features` where it is one.
-void mesh_edge_feature(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size, std::int32_t edge,
+/// Looks at one edge candidate, appended to `features` where it is one, and gives it a new slack.   in   index   in DueCandidates::indices
+void mesh_edge_feature(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size, std::int32_t index,
                        CandidateLists& lists, std::vector<ContactFeature>& features);
-/// The edge of a place in DueCandidates::indices, and its slack.
-inline std::int32_t due_edge(const CandidateLists& lists, std::int32_t index) {
-  return index - static_cast<std::int32_t>(lists.corners_a.size() + lists.corners_b.size());
+inline const EdgeCandidate& due_edge(const CandidateLists& lists, std::int32_t index) {
+  return lists.edges[static_cast<std::size_t>(index) - lists.corners_a.size() - lists.corners_b.size()];
 }
-void set_edge_slack(double lacks, double size, std::int32_t edge, CandidateLists& lists);
 
 void end_mesh_features(CandidateLists& lists, const std::vector<ContactFeature>& features);
 

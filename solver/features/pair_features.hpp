@@ -84,17 +84,18 @@ struct Feature6 {
   Vec3 force, couple;  ///< coefficients of a translation and of a rotation about A's centre
 };
 
+/// What lanes read of it comes first, in fours (lanes/mesh_forces.hpp).
 struct ContactFeature {
+  Vec3 x;          ///< contact point, mid-gap, A frame [m]
+  double overlap;  ///< margin sum minus gap, > 0 [m]
+  Vec3 n;          ///< unit, from B to A, A frame
+  double weight;   ///< a_j in (0, 1], fading and shares of minima; without its cluster as found, with it once solve_weights() has been
+  Feature6 weight_gradient;  ///< of the weight, for a virtual motion of A against B; where it is `faded`
+  double cluster;  ///< how many others share the place of the feature, where D is the margin of one body (contact/cluster_weights.hpp)
   /// unique within the pair: kind in bits 60 and 61, then two indices. A vertex has the place of its minimum for the second
   /// (features/surface_minima.hpp), 0 on a convex body; that of a ball on a mesh is this place alone
   std::int64_t key;
-  Vec3 x;          ///< contact point, mid-gap, A frame [m]
-  Vec3 n;          ///< unit, from B to A, A frame
-  double overlap;  ///< margin sum minus gap, > 0 [m]
-  double weight;   ///< a_j in (0, 1], fading and shares of minima; without its cluster as found, with it once solve_weights() has been
-  double cluster;  ///< how many others share the place of the feature, where D is the margin of one body (contact/cluster_weights.hpp)
-  bool faded;      ///< weight depends on the pose: weight_gradient is filled
-  Feature6 weight_gradient;  ///< of the weight, for a virtual motion of A against B
+  bool faded;  ///< weight depends on the pose
 };
 
 /// Slack of a candidate found at `distance`: what lies beyond the margin, rounded down, with room for the rounding of the

@@ -70,8 +70,8 @@ inline std::int64_t make_place(std::int64_t kind, std::int64_t index) { return (
 /// in   near     all triangles of the shape that come within reach + sharing of the point, in ascending order; more do no harm
 /// in   reach    gap at which something acts           in   sharing   see kSharingOfVertices
 /// out  minima   one alone has weight 1; none where no triangle is within reach, or where the point lies on the surface
-/// Cost: O(n) for n triangles with one common foot and on convex shapes, else O(n^2); what a weight takes only where there are two minima.   Fails: never.   Threads: safe on distinct outputs.
-/// Source: docs/reference/contact-law.md section 3.7.
+/// Cost: O(n) for n triangles with one common foot and on convex shapes, else O(n^2); what a weight takes only where there are two minima.
+/// Fails: never.   Threads: safe on distinct outputs. Source: docs/reference/contact-law.md section 3.7.
 void find_minima(const SolverShape& shape, const Vec3& p, const std::vector<NearTriangle>& near, double reach, double sharing,
                  std::vector<SurfaceMinimum>& minima);
 

@@ -62,14 +62,9 @@ struct EdgeAnswers {
 
   bool found(std::size_t k) const { return force[4 * k + 3] > 0; }
   /// Without key and cluster, which do not depend on the pose.
-  void set(std::size_t k, ContactFeature& f) const {
+  ContactFeature feature(std::size_t k) const {
     const auto at = [k](const Fours& fours) { return Vec3{fours[4 * k], fours[4 * k + 1], fours[4 * k + 2]}; };
-    f.x = at(place);
-    f.n = at(direction);
-    f.overlap = place[4 * k + 3];
-    f.weight = direction[4 * k + 3];
-    f.faded = couple[4 * k + 3] > 0;
-    f.weight_gradient = {at(force), at(couple)};
+    return {at(place), place[4 * k + 3], at(direction), direction[4 * k + 3], {at(force), at(couple)}, 0, 0, couple[4 * k + 3] > 0};
   }
 };
 

@@ -26,6 +26,26 @@ HWY_INLINE Lane power7(Lane x) {
   return x4 * x2 * x;
 }
 
+/// Brings the numbers of each feature together.
+HWY_INLINE void spread_rows(MeshPairs& pairs, std::size_t k) {
+  const auto put = [k](const Lane& from, MeshNumbers& to) { from.store(to.data() + k); };
+  for (MeshFeature& f : pairs.features) {
+    const auto load = [&](std::size_t first, Lane* column) {
+      load_columns([&](std::size_t lane) { return f.row[k + lane].data() + first; }, column);
+    };
+    Lane number[MeshFeature::kRow];
+    for (std::size_t first = 0; first < MeshFeature::kRow; first += 4) load(first, number + first);
+    for (std::size_t i = 0; i < 3; ++i) {
+      put(number[i], f.x[i]);
+      put(number[4 + i], f.n[i]);
+      put(number[8 + i], f.gradient_force[i]);
+      put(number[11 + i], f.gradient_couple[i]);
+    }
+    put(number[3], f.overlap);
+    put(number[7], f.weight);
+  }
+}
+
 /// Where A and B are and how they move (RelativePose, PairMotion).
 struct MeshMotion {
   LaneQuat turn;
@@ -123,6 +143,7 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, MeshPairs& pa
   const LawRows<LaneLaw> law(scene.laws.laws, pairs.law.data() + k);
   const Lane zero(0.0), one(1.0), half(0.5), step(dt);
   const Rows a(pairs.a.data() + k), b(pairs.b.data() + k);
+  spread_rows(pairs, k);
   const MeshMotion m = motion_in_lanes(scene, a, b);
   const MeshPush push = push_in_lanes<kKind>(scene, law, a, b, pairs, k);
   const Lane mobility = mobility_of(m, push);

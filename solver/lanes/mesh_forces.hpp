@@ -24,16 +24,18 @@ inline constexpr std::size_t kMeshPairs = 8;
 using MeshNumbers = std::array<double, kMeshPairs>;
 using MeshFours = std::array<double, 4 * kMeshPairs>;
 
-/// One feature of each pair, A frame; as in ContactFeature.
+/// One feature of each pair, A frame.
 struct MeshFeature {
-  alignas(64) std::array<MeshNumbers, 3> x, n;
-  alignas(64) std::array<MeshNumbers, 3> gradient_force, gradient_couple;  ///< zero where the weight does not depend on the pose
-  alignas(64) MeshNumbers overlap, weight;
+  /// Of ContactFeature what comes before `faded`, as it lies there; the gradient is zero where the weight does not depend on the pose.
+  static constexpr std::size_t kRow = 16;
+  alignas(64) std::array<std::array<double, kRow>, kMeshPairs> row;
   alignas(64) MeshNumbers kept;  ///< 1: has a spring from the step before
   alignas(64) MeshFours spring;  ///< in and out, as in FrictionSpring (x, y, z, stiffness)
   alignas(64) MeshFours normal;  ///< of the spring, and a place that is left
-  alignas(64) MeshNumbers push;  ///< scratch: its part of the push [N]
-  std::array<std::int64_t, kMeshPairs> key;
+
+  // scratch: the same rows, each number of all pairs together, and the part of the push of each [N]
+  alignas(64) std::array<MeshNumbers, 3> x, n, gradient_force, gradient_couple;
+  alignas(64) MeshNumbers overlap, weight, push;
 };
 
 /// Some pairs of two bodies with as many features each.

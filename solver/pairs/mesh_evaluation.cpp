@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
+#include <type_traits>
 
 #include "solver/contact/overlap_limit.hpp"
 #include "solver/contact/pair_friction.hpp"
@@ -11,23 +13,18 @@ namespace scree {
 
 namespace {
 
-void set(const Vec3& v, std::size_t n, std::array<MeshNumbers, 3>& to) {
-  to[0][n] = v.x;
-  to[1][n] = v.y;
-  to[2][n] = v.z;
-}
+constexpr std::size_t kGradient = offsetof(ContactFeature, weight_gradient) / sizeof(double),
+                      kKey = offsetof(ContactFeature, key) / sizeof(double);
+static_assert(offsetof(ContactFeature, faded) == MeshFeature::kRow * sizeof(double) &&
+              offsetof(ContactFeature, overlap) == 3 * sizeof(double) && offsetof(ContactFeature, n) == 4 * sizeof(double) &&
+              offsetof(ContactFeature, weight) == 7 * sizeof(double) && kGradient == 8 && std::is_trivially_copyable_v<ContactFeature>);
 
 /// One feature and its spring.
 void set(const ContactFeature& f, const FrictionSpring* spring, std::size_t n, MeshFeature& to) {
-  set(f.x, n, to.x);
-  set(f.n, n, to.n);
+  std::array<double, MeshFeature::kRow>& row = to.row[n];
+  std::memcpy(row.data(), &f, sizeof(row));
   // a gradient that is not used may have zeros of either sign
-  const Feature6 gradient = f.faded ? f.weight_gradient : Feature6{};
-  set(gradient.force, n, to.gradient_force);
-  set(gradient.couple, n, to.gradient_couple);
-  to.overlap[n] = f.overlap;
-  to.weight[n] = f.weight;
-  to.key[n] = f.key;
+  if (!f.faded) std::fill_n(&row[kGradient], sizeof(Feature6) / sizeof(double), 0.0);
   to.kept[n] = spring != nullptr ? 1 : 0;
   if (spring != nullptr) {
     store(*spring, &to.spring[4 * n]);
@@ -36,6 +33,11 @@ void set(const ContactFeature& f, const FrictionSpring* spring, std::size_t n, M
     std::fill_n(&to.spring[4 * n], 4, 0.0);
     std::fill_n(&to.normal[4 * n], 4, 0.0);
   }
+}
+std::int64_t key_of(const MeshFeature& f, std::size_t n) {
+  std::int64_t key = 0;
+  std::memcpy(&key, &f.row[n][kKey], sizeof(key));
+  return key;
 }
 
 /// Lanes have no rolling resistance of meshes, and take no time of a pair.
@@ -115,7 +117,7 @@ void MeshEvaluation::evaluate(MeshPairs& batch) {
     }
     springs.resize(count + 1);
     for (std::size_t j = 0; j < count; ++j) {
-      springs[j].key = batch.features[j].key[n];
+      springs[j].key = key_of(batch.features[j], n);
       load(&batch.features[j].spring[4 * n], springs[j]);
       load(&batch.features[j].normal[4 * n], springs[j].normal);
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "solver/features/candidate_slack.hpp"
 #include "solver/features/edge_features.hpp"
 
 namespace scree {
@@ -24,7 +25,7 @@ void PendingPairs::add(std::int32_t k, double moved, const PairView& view, const
     edges_.has_walls = edges_.has_walls || view.b.shape->is_two_sided;
   }
   for (std::size_t n = pending.due.edges; n < pending.due.indices.size(); ++n) {
-    const EdgeCandidate& candidate = lists.edges[static_cast<std::size_t>(due_edge(lists, pending.due.indices[n]))];
+    const EdgeCandidate& candidate = due_edge(lists, pending.due.indices[n]);
     edges_.add(count_, view.a.shape->edge_rows[static_cast<std::size_t>(candidate.edge_a)],
                view.b.shape->edge_rows[static_cast<std::size_t>(candidate.edge_b)]);
   }
@@ -38,16 +39,16 @@ void PendingPairs::complete(PendingPair& pending, Places& first, CandidateLists&
   mesh_corner_features(view.a, view.b, view.pose, view.reach, sharing_of_vertices(view), size, pending.due,
                        {corners_, found_corners_, first.corner}, lists, features);
   first.corner += pending.due.edges;
+  const float used_up = slack_on_way(lists.way, 0, size);
   for (std::size_t n = pending.due.edges; n < pending.due.indices.size(); ++n, ++first.edge) {
-    const std::int32_t edge = due_edge(lists, pending.due.indices[n]);
+    const std::int32_t index = pending.due.indices[n];
     if (!found_edges_.found(first.edge)) {
-      mesh_edge_feature(view.a, view.b, view.pose, view.reach, size, edge, lists, features);
+      mesh_edge_feature(view.a, view.b, view.pose, view.reach, size, index, lists, features);
       continue;
     }
-    ContactFeature& f = features.emplace_back();
-    found_edges_.set(first.edge, f);
-    name_edge_feature(view.a, view.b, lists.edges[static_cast<std::size_t>(edge)], f);
-    set_edge_slack(0, size, edge, lists);
+    features.push_back(found_edges_.feature(first.edge));
+    name_edge_feature(view.a, view.b, due_edge(lists, index), features.back());
+    lists.slacks[static_cast<std::size_t>(index)] = used_up;
   }
   end_mesh_features(lists, features);
 }
