@@ -16,10 +16,19 @@ PairGeometry geometry_of(const PairView& view) {
   return a_is_sphere ? PairGeometry::two_spheres : PairGeometry::two_meshes;
 }
 
+void view_row(const SolverScene& scene, const ParticleSet& p, std::size_t i, PairBody& body, double& radius) {
+  body.shape = &scene.shape(p.shape[i]);
+  body.scale = p.scale[i];
+  body.x = p.x[i];
+  body.q = p.q[i];
+  body.weights = p.weights[i];
+  body.cluster_scale = 1;
+  radius = p.radius[i];
+}
+
 void view_body(const SolverScene& scene, const ParticleSet& p, std::size_t i, std::size_t j, PairView& view) {
-  view.b = {&scene.shape(p.shape[j]), p.scale[j], p.x[j], p.q[j], p.weights[j]};
+  view_row(scene, p, j, view.b, view.radius_b);
   if (p.cell.periodicity().any()) view.b.x = p.x[i] + p.cell.periodicity().nearest(p.x[j] - p.x[i]);
-  view.radius_b = p.radius[j];
   const double cells_a = view.a.scale * view.a.shape->cell_size, cells_b = view.b.scale * view.b.shape->cell_size;
   view.cell_size = std::max(cells_a, cells_b);
   if (view.cell_size > 0) view.cells = cells_a > cells_b ? CellSide::a : cells_b > cells_a ? CellSide::b : CellSide::both;
@@ -103,8 +112,7 @@ PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vect
                  std::int32_t zone) {
   PairView view;
   const auto i = static_cast<std::size_t>(a);
-  view.a = {&scene.shape(p.shape[i]), p.scale[i], p.x[i], p.q[i], p.weights[i]};
-  view.radius_a = p.radius[i];
+  view_row(scene, p, i, view.a, view.radius_a);
   if (b >= 0)
     view_body(scene, p, i, static_cast<std::size_t>(b), view);
   else
@@ -122,8 +130,7 @@ PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vect
 void view_two_meshes(const SolverScene& scene, const ParticleSet& p, std::int32_t a, std::int32_t b, const RelativePose& pose,
                      PairView& view) {
   const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
-  view.a = {&scene.shape(p.shape[i]), p.scale[i], p.x[i], p.q[i], p.weights[i]};
-  view.radius_a = p.radius[i];
+  view_row(scene, p, i, view.a, view.radius_a);
   view.off_middle = view.cell_size = 0;
   view.zone = nullptr;
   view.cells = CellSide::none;
