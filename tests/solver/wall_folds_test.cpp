@@ -165,8 +165,7 @@ TEST(WallFolds, lanes_find_what_each_pair_of_edges_is_alone) {
         examine_edges(a, b, pose, kMargin, on.size(), asked[k], expected);
         ASSERT_EQ(answers.found(k), !expected.empty()) << "seed " << seed;
         if (!expected.empty()) {
-          ContactFeature f{};
-          answers.set(k, f);
+          const ContactFeature f = answers.feature(k);
           ASSERT_EQ(f.x, expected[0].x);
           ASSERT_EQ(f.weight, expected[0].weight);
           ++found;
