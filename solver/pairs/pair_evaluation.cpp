@@ -43,8 +43,8 @@ double squared_speed_of(const PairView& view, const PairVelocities& m) {
 
 bool is_fast(const PairView& view, double squared_speed, double dt) {
   constexpr double kRounding = 1 - 1e-9;  // these velocities are rounded otherwise than those
-  const double limit = kRounding * (view.margin + half_radius_of_ball(view)) / dt;
-  return squared_speed > limit * limit;
+  const double limit = kRounding * (view.margin + half_radius_of_ball(view));
+  return squared_speed * (dt * dt) > limit * limit;
 }
 
 double count_from_rest(const std::vector<FrictionSpring>& springs, PairFeatures& features) {

@@ -59,7 +59,9 @@ class PairEvaluation {
     if (pass_.way_of(idle) < idle.way) return;  // its result says so already
     const PairClock clock(pass_.scratch.pair_seconds, k);
     BodyPair& pair = pass_.list.stored_pairs()[static_cast<std::size_t>(k)];
-    PairResult& result = begin_result(k, pair);
+    PairResult& result = pass_.list.stored_results()[static_cast<std::size_t>(k)];
+    result.active = false;
+    result.contact_count = 0;
     if constexpr (Model::kHasEdgeLanes) {
       if (lanes_ != nullptr && posed_.may_take(pair)) {
         posed_.add(k, pair);
@@ -67,6 +69,7 @@ class PairEvaluation {
         return;
       }
     }
+    prefetch_pair(pair, result);
     const PairView view = view_of(pass_.scene, pass_.p, pass_.walls, pair.a, pair.b, pair.key.zone);
     CandidateLists& lists = lists_of(pair);
     if (pass_.continues) {
@@ -94,14 +97,6 @@ class PairEvaluation {
   bool too_deep() const { return too_deep_; }
 
  private:
-  PairResult& begin_result(std::int32_t k, const BodyPair& pair) {
-    PairResult& result = pass_.list.stored_results()[static_cast<std::size_t>(k)];
-    prefetch_pair(pair, result);
-    result.active = false;
-    result.contact_count = 0;
-    return result;
-  }
-
   /// Pairs whose poses have waited for others.
   void finish_posed() {
     posed_.finish([&](std::int32_t k, const RelativePose& pose, double moved, double squared_speed) {

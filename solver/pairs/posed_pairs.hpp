@@ -6,7 +6,6 @@
 #include "solver/lanes/mesh_poses.hpp"
 #include "solver/neighbours/pair_list.hpp"
 #include "solver/pairs/pair_pass.hpp"
-#include "solver/pairs/pairs_ahead.hpp"
 
 namespace scree {
 
@@ -29,7 +28,6 @@ class PosedPairs {
     poses_.a[n] = pair.a;
     poses_.b[n] = pair.b;
     poses_.lists[n] = pair.lists.get();
-    prefetch_candidates(*pair.lists);
   }
   bool is_full() const { return poses_.count == MeshPoses::kPairs; }
 
