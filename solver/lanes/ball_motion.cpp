@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "solver/lanes/ball_motion.cpp"
@@ -76,6 +77,45 @@ HWY_INLINE bool sum_some(const BallMotion& motion, const BallGroup& group, const
   return from_columns;
 }
 
+/// A periodic cell, and which bodies may have left it.
+class CellWalls {
+ public:
+  HWY_INLINE explicit CellWalls(const Periodicity& periodicity) : any_(periodicity.any()) {
+    for (int k = 0; k < 3; ++k) {
+      const bool is_periodic = periodicity.is_periodic(k);
+      const double lower = periodicity.lower()[k], infinity = std::numeric_limits<double>::infinity();
+      lower_[k] = is_periodic ? lower : -infinity;
+      upper_[k] = is_periodic ? kInside * periodicity.period()[k] : infinity;
+      offset_[k] = is_periodic ? lower : 0;
+    }
+  }
+  HWY_INLINE bool any() const { return any_; }
+  /// False only where Periodicity::wrap() would not move a body.
+  HWY_INLINE bool may_be_left(const Lane3& x) const { return is_out(x.x, 0) || is_out(x.y, 1) || is_out(x.z, 2); }
+
+ private:
+  static constexpr double kInside = 1 - 1e-12;  // far above the rounding of the quotient there
+  HWY_INLINE bool is_out(Lane x, int k) const {
+    return scree::HWY_NAMESPACE::any((x < Lane(lower_[k])) | (x - Lane(offset_[k]) > Lane(upper_[k])));
+  }
+  bool any_;
+  double lower_[3], upper_[3], offset_[3];
+};
+
+/// Bodies from `begin` on that have left the cell come in on its other side.
+HWY_NOINLINE void wrap_some(ParticleSet& p, std::size_t begin, Lane3& x) {
+  alignas(64) double place[3][kLanes];
+  x.x.store(place[0]);
+  x.y.store(place[1]);
+  x.z.store(place[2]);
+  for (std::size_t k = 0; k < kLanes && begin + k < p.owned; ++k) {
+    Vec3 at{place[0][k], place[1][k], place[2][k]};
+    p.x_listed[begin + k] += p.cell.periodicity().wrap(at, p.image[begin + k]);
+    for (int axis = 0; axis < 3; ++axis) place[axis][k] = at[axis];
+  }
+  x = {Lane::load(place[0]), Lane::load(place[1]), Lane::load(place[2])};
+}
+
 template <bool kRolls, bool kAsks>
 BallsMoved move_groups(const BallMotion& motion, std::size_t begin, std::size_t end) {
   const Lane zero(0.0), step(motion.dt), half_step(0.5 * motion.dt), time(-motion.dt),
@@ -84,6 +124,7 @@ BallsMoved move_groups(const BallMotion& motion, std::size_t begin, std::size_t 
   alignas(32) const double of_gravity[4] = {motion.gravity.x, motion.gravity.y, motion.gravity.z, 0};
   for (std::size_t j = 0; j < 4 / kWidth; ++j) gravity.part[j] = hn::Load(Four(), of_gravity + kWidth * j);
   Lane fastest = zero;
+  const CellWalls cell(motion.p.cell.periodicity());
   BallsMoved moved;
   alignas(128) OnBody on[kLanes];
   for (std::size_t i = begin * BallGroup::kBalls; i < end * BallGroup::kBalls; i += kLanes) {
@@ -113,6 +154,7 @@ BallsMoved move_groups(const BallMotion& motion, std::size_t begin, std::size_t 
     advance(x.z, left.z, way.z);
     const Lane3 v = select(moves, v2, v1);
     x = select(moves, x, x0);
+    if (HWY_UNLIKELY(cell.any()) && HWY_UNLIKELY(cell.may_be_left(x))) wrap_some(motion.p, i, x);
     store_three(v, at, group.v);
     store_three(x, at, group.x);
     store_three(select(moves, left, left0), at, group.x_remainder);

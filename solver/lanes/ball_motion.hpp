@@ -36,12 +36,12 @@ void ungroup_balls(const BallGroup* groups, const BallRow* rows, std::size_t beg
 struct BallMotion {
   BallSums sums;
   const std::uint8_t* summed;  ///< of each body 1: its forces are in the columns of `p` already
-  const ParticleSet& p;
-  Vec3 gravity;       ///< [m/s^2]
-  double dt;          ///< of both steps [s]
-  double share;       ///< of its radius that a ball may go in a step
-  BallGroup* groups;  ///< become those of the new places
-  BallRow* rows;      ///< the same, of whole groups
+  ParticleSet& p;              ///< in a periodic cell, that is no sheared one, a body that leaves it has its image and listed place changed
+  Vec3 gravity;                ///< [m/s^2]
+  double dt;                   ///< of both steps [s]
+  double share;                ///< of its radius that a ball may go in a step
+  BallGroup* groups;           ///< become those of the new places
+  BallRow* rows;               ///< the same, of whole groups
 };
 
 struct BallsMoved {

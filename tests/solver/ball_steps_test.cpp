@@ -78,6 +78,22 @@ TEST_P(BallStepsOfALaw, have_the_bits_of_single_steps) {
   }
 }
 
+// Bodies go through the sides of the cell many times: their images and the places where they were listed go with them.
+TEST_P(BallStepsOfALaw, have_the_bits_of_single_steps_in_a_periodic_cell) {
+  Scene scene = falling_balls(GetParam(), 0.5, true);
+  for (Vec3& v : scene.bodies.velocity)
+    if (!(v == Vec3{})) v += Vec3{3, -2, 0};
+  const End single = run_scene(scene, 2000, Way::single), at_once = run_scene(scene, 2000, Way::at_once),
+            by_chance = run_scene(scene, 2000, Way::by_chance);
+  EXPECT_EQ(single.share, 0);
+  EXPECT_GT(at_once.share, 0.6);
+  expect_same_ends(single, at_once);
+  expect_same_ends(single, by_chance);
+  int gone = 0;
+  for (const Vec3& image : at_once.run->simulation->state().particles.image) gone += image == Vec3{} ? 0 : 1;
+  EXPECT_GT(gone, 50);
+}
+
 TEST_P(BallStepsOfALaw, have_the_bits_of_single_steps_where_balls_roll) {
   Scene scene = falling_balls(GetParam(), 0.5, false);
   for (MaterialPair& pair : scene.pairs) {
