@@ -81,6 +81,13 @@ class BallBlocks {
     const auto at = static_cast<std::size_t>(block);
     for (std::size_t k = 0; k < blocks_[at]->pairs.count; ++k) action(slots_[at * kBallPairs + k]);
   }
+  /// Calls action(place) for each pair of a block that touches.
+  template <class Action>
+  void for_each_touching(std::int32_t block, Action&& action) const {
+    const auto count = static_cast<std::int32_t>(blocks_[static_cast<std::size_t>(block)]->pairs.count);
+    for (std::int32_t k = 0; k < count; ++k)
+      if (const auto place = block * static_cast<std::int32_t>(kBallPairs) + k; touches(place)) action(place);
+  }
   /// The wall of a block, a row of LaneLaws::zones.
   std::int32_t wall_of(std::int32_t block) const { return eights_[static_cast<std::size_t>(block) * kBallPairs / BallEight::kPairs].b[0]; }
   bool have_rolling() const { return spring_count_ == 2; }
@@ -93,6 +100,11 @@ class BallBlocks {
   bool touches(std::int32_t place) const {
     const auto at = static_cast<std::size_t>(place);
     return blocks_[at / kBallPairs]->touches[at % kBallPairs] != 0;
+  }
+  /// The ball of a pair, A.
+  std::int32_t ball_of(std::int32_t place) const {
+    const auto at = static_cast<std::size_t>(place);
+    return eights_[at / BallEight::kPairs].a[at % BallEight::kPairs];
   }
   /// What a pair in a block that touches does, but for the energy of its springs.
   void load_result(std::int32_t place, PairResult& result) const;

@@ -62,4 +62,14 @@ void WaitingBalls::note(double bound, const PairList& list) {
   }
 }
 
+void WaitingBalls::end_of_walls(PairList& list) const {
+  for (const Group& group : groups_) {
+    for (std::size_t n = 0; n < kTogether; ++n) {
+      if (group.pair[n] < 0 || group.limit[n] == kNever) continue;  // one that touches is in a block
+      IdlePair& idle = list.idle()[static_cast<std::size_t>(group.pair[n])];
+      if (idle.b < 0) idle.way = kNeverIdle;
+    }
+  }
+}
+
 }  // namespace scree

@@ -26,6 +26,8 @@ class WaitingBalls {
   const std::vector<std::int32_t>& last_due() const { return due_; }
   /// After those pairs were looked at: for how long they wait again.
   void note(double bound, const PairList& list);
+  /// The pairs with walls, which move: they are looked at in every step again.
+  void end_of_walls(PairList& list) const;
 
  private:
   static constexpr std::size_t kTogether = 16;

@@ -140,8 +140,8 @@ void BallEvaluation::part(std::int32_t k, std::size_t a, std::size_t b, bool at_
   result.active = false;
   result.contact_count = 0;
   IdlePair& idle = pass_.list.idle()[static_cast<std::size_t>(k)];
-  // the way of a wall that moves is in no bound
-  idle.way = at_wall && pass_.scene.has_driven_walls()
+  // the way of a wall that moves is in no bound but that of steps without a break (step/ball_steps.hpp)
+  idle.way = at_wall && pass_.scene.has_driven_walls() && pass_.has_columns
                  ? kNeverIdle
                  : pass_.way_of(idle) + slack_below(gap - balls_.scene().laws.margin, 0, radius[a] + (at_wall ? 0 : radius[b]));
   pass_.list.stored_pairs()[static_cast<std::size_t>(k)].state.keep_lasting();

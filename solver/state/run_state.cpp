@@ -131,33 +131,36 @@ class ImpulsesOfWalls {
   std::array<std::size_t, kMostWalls> counts_{};
 };
 
+bool stands_still(const WallState& wall) { return wall.velocity == Vec3{} && wall.angular_velocity == Vec3{}; }
+
+/// What a pair does to a wall that moves, besides its impulse.   in   lever   from the wall to A
+void add_work_on(const WallState& wall, const Vec3& lever, const PairResult& r, double dt, WallTotals& totals) {
+  // torque on A about its centre turns into minus torque on the wall about any point, plus the lever
+  const Vec3 on_wall = -r.force_a, torque_wall = cross(lever, on_wall) - r.torque_a;
+  totals.work.add(-dt * (dot(on_wall, wall.velocity) + dot(torque_wall, wall.angular_velocity)));
+  // Damping and friction take force times sliding velocity: the bodies' part is counted with them, this is the walls'.
+  const Vec3 dissipative_force = -r.dissipative_force_a, dissipative_torque = cross(lever, dissipative_force) - r.dissipative_torque_a;
+  totals.dissipated.add(-dt * (dot(dissipative_force, wall.velocity) + dot(dissipative_torque, wall.angular_velocity)));
+}
+
 /// in   begin, end   of the pairs with walls
 void add_effects_of(std::size_t begin, std::size_t end, const RunState& s, double dt, WallTotals& totals) {
   PairResult of_block;
   ImpulsesOfWalls impulses(totals);
-  const auto add_impulse = [&](std::size_t w, const Vec3& on_wall) { impulses.add(w, dt * on_wall); };
   for (std::size_t n = begin; n < end; ++n) {
     const std::int32_t k = s.pairs.with_walls()[n];
     const auto w = static_cast<std::size_t>(s.scene.zones()[static_cast<std::size_t>(s.pairs.zones_of_walls()[n])].wall);
     const WallState& state = s.walls[w];
     // one that stands still does no work
-    if (state.velocity == Vec3{} && state.angular_velocity == Vec3{} && !s.scene.has_moving_surfaces()) {
-      if (const Vec3* force = s.pairs.force_of(k)) add_impulse(w, -*force);
+    if (stands_still(state) && !s.scene.has_moving_surfaces()) {
+      if (const Vec3* force = s.pairs.force_of(k)) impulses.add(w, dt * -*force);
       continue;
     }
     const PairResult& r = s.pairs.result_of(k, of_block);
     if (!r.active) continue;
-    const Vec3 on_wall = -r.force_a;
-    add_impulse(w, on_wall);
-    // torque on A about its centre turns into minus torque on the wall about any point, plus the lever
+    impulses.add(w, dt * -r.force_a);
     const BodyPair& pair = s.pairs.stored_pairs()[static_cast<std::size_t>(k)];
-    const Vec3 lever = s.particles.x[static_cast<std::size_t>(pair.a)] - state.position;
-    const Vec3 torque_wall = cross(lever, on_wall) - r.torque_a;
-    totals.work.add(-dt * (dot(on_wall, state.velocity) + dot(torque_wall, state.angular_velocity)));
-    // Damping and friction take force times sliding velocity: the bodies' part is counted with them, this is the walls'.
-    const Vec3 dissipative_force = -r.dissipative_force_a;
-    const Vec3 dissipative_torque = cross(lever, dissipative_force) - r.dissipative_torque_a;
-    totals.dissipated.add(-dt * (dot(dissipative_force, state.velocity) + dot(dissipative_torque, state.angular_velocity)));
+    add_work_on(state, s.particles.x[static_cast<std::size_t>(pair.a)] - state.position, r, dt, totals);
     if (s.scene.has_moving_surfaces()) {
       totals.work.add(dt * r.surface_power);
       totals.dissipated.add(dt * r.surface_power);
@@ -185,22 +188,35 @@ void add_wall_effects(const RunState& s, double dt, WallTotals& totals) {
                [&](std::size_t begin, std::size_t end, WallTotals& part) { add_effects_of(begin, end, s, dt, part); });
 }
 
-void add_wall_impulses_of_balls(const RunState& s, double dt, std::span<const std::int32_t> outside, WallTotals& totals) {
+void add_wall_effects_of_balls(const RunState& s, const std::vector<BallRow>& rows, double dt, std::span<const std::int32_t> outside,
+                               WallTotals& totals) {
   const BallBlocks& blocks = s.pairs.blocks();
   const auto wall_of = [&s](std::int32_t zone) { return static_cast<std::size_t>(s.scene.zones()[static_cast<std::size_t>(zone)].wall); };
+  const auto lever_of = [&](std::int32_t ball, const WallState& wall) { return rows[static_cast<std::size_t>(ball)].x.v - wall.position; };
   const std::vector<std::int32_t>& with_walls = blocks.with_walls();
   add_in_parts(with_walls.size(), with_walls.size(), totals, [&](std::size_t begin, std::size_t end, WallTotals& part) {
+    PairResult r;
     ImpulsesOfWalls impulses(part);
     for (std::size_t n = begin; n < end; ++n) {
-      const std::size_t wall = wall_of(s.scene.ball_laws().zones[static_cast<std::size_t>(blocks.wall_of(with_walls[n]))].zone);
-      blocks.for_each_slot(with_walls[n], [&](const BallSlot& slot) { impulses.add(wall, dt * -slot.force); });
+      const std::int32_t block = with_walls[n];
+      const std::size_t wall = wall_of(s.scene.ball_laws().zones[static_cast<std::size_t>(blocks.wall_of(block))].zone);
+      const WallState& state = s.walls[wall];
+      blocks.for_each_slot(block, [&](const BallSlot& slot) { impulses.add(wall, dt * -slot.force); });
+      if (stands_still(state)) continue;
+      blocks.for_each_touching(block, [&](std::int32_t place) {
+        blocks.load_result(place, r);
+        add_work_on(state, lever_of(blocks.ball_of(place), state), r, dt, part);
+      });
     }
   });
   ImpulsesOfWalls impulses(totals);
   for (const std::int32_t k : outside) {
     const BodyPair& pair = s.pairs.stored_pairs()[static_cast<std::size_t>(k)];
-    const PairResult& result = s.pairs.stored_results()[static_cast<std::size_t>(k)];
-    if (pair.b < 0 && result.active) impulses.add(wall_of(pair.key.zone), dt * -result.force_a);
+    const PairResult& r = s.pairs.stored_results()[static_cast<std::size_t>(k)];
+    if (pair.b >= 0 || !r.active) continue;
+    const std::size_t wall = wall_of(pair.key.zone);
+    impulses.add(wall, dt * -r.force_a);
+    if (const WallState& state = s.walls[wall]; !stands_still(state)) add_work_on(state, lever_of(pair.a, state), r, dt, totals);
   }
 }
 

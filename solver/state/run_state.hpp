@@ -81,9 +81,10 @@ double wall_share_of_frequency(const RunState& s, std::size_t wall);
 
 /// Adds what the present forces do to the walls in a time dt.
 void add_wall_effects(const RunState& s, double dt, WallTotals& totals);
-/// The same where all pairs of walls are those of balls in blocks and walls stand still.
+/// The same where all pairs of walls are those of balls in blocks, whose places are in rows.
 /// in   outside   pairs that may touch and do not lie in blocks, each once
-void add_wall_impulses_of_balls(const RunState& s, double dt, std::span<const std::int32_t> outside, WallTotals& totals);
+void add_wall_effects_of_balls(const RunState& s, const std::vector<BallRow>& rows, double dt, std::span<const std::int32_t> outside,
+                               WallTotals& totals);
 /// What the present damping and friction forces take from a body in a time dt [J].
 double contact_dissipation(const ParticleSet& p, std::size_t body, double dt);
 /// Adds that to each owned body. As for walls, the forces of the last step count in full, and readers of a total take half of them back.

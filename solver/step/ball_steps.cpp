@@ -17,6 +17,7 @@ namespace {
 constexpr double kRounding = 1 + 1e-9;  // far above that of the sums of a run of steps
 constexpr std::int64_t kFewest = 4;     // steps that are worth beginning
 constexpr std::int64_t kStepsBetweenFills = 64;
+constexpr double kWallsNearlyThere = 0.9;  // of what lists allow: beyond, they are soon made again
 
 /// The last step that may be reached before single steps look at something.
 std::int64_t next_break(const RunState& s, std::int64_t last) {
@@ -36,6 +37,18 @@ double farthest_coordinate(const ParticleSet& p) {
   return farthest;
 }
 
+/// As far from a point as the surface of a body reaches [m].
+double farthest_body(const ParticleSet& p, const Vec3& point) {
+  double farthest = 0;
+  const auto count = static_cast<std::ptrdiff_t>(p.owned);
+#pragma omp parallel for schedule(static) reduction(max : farthest)
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const auto row = static_cast<std::size_t>(i);
+    farthest = std::max(farthest, length(p.x[row] - point) + p.radius[row]);
+  }
+  return farthest;
+}
+
 }  // namespace
 
 /// Calls action(begin, end) with the groups of the calling thread. In a parallel region.
@@ -49,6 +62,7 @@ void BallSteps::each_share(Action&& action) const {
 /// not enough, all are asked.
 bool BallSteps::lists_hold(const RunState& s, const NeighbourLists& lists) {
   const double limit = lists.limit();
+  if (walls_listed_ > limit) return false;
   if (listed_ + 0.5 * (bound_ - bound_then_) <= limit) return true;
   const ParticleSet& p = s.particles;
   double squared = 0;
@@ -66,6 +80,32 @@ bool BallSteps::lists_hold(const RunState& s, const NeighbourLists& lists) {
   listed_ = kRounding * std::sqrt(squared);
   bound_then_ = bound_;
   return has_numbers && listed_ <= limit;
+}
+
+/// in   s   columns of bodies are up to date
+void BallSteps::begin_walls(const RunState& s, const NeighbourLists& lists) {
+  walls_listed_ = walls_way_ = 0;
+  if (!s.scene.has_driven_walls()) return;
+  walls_listed_ = lists.walls_have_moved(s);
+  wall_reach_.clear();
+  for (const WallState& wall : s.walls) wall_reach_.push_back(farthest_body(s.particles, wall.position));
+}
+
+/// Walls of the step that has begun.
+void BallSteps::move_walls(RunState& s) {
+  if (!s.scene.has_driven_walls()) return;
+  walls_before_.swap(s.walls);
+  s.set_walls();
+  double moved = 0;
+  for (std::size_t w = 0; w < s.walls.size(); ++w) {
+    const Vec3 shift = s.walls[w].position - walls_before_[w].position;
+    const Quat turn = conjugate(walls_before_[w].orientation) * s.walls[w].orientation;
+    const double chord = 2 * std::sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z);
+    // bodies and walls have moved since the distance was measured
+    moved = std::max(moved, length(shift) + chord * (wall_reach_[w] + bound_ + walls_way_ + length(shift)));
+  }
+  walls_listed_ += kRounding * moved;
+  walls_way_ += kRounding * moved;
 }
 
 bool BallSteps::run(RunState& s, ForceStep& forces, Balance& balance, FirstFailure& failure, const NeighbourLists& lists,
@@ -90,22 +130,25 @@ bool BallSteps::run(RunState& s, ForceStep& forces, Balance& balance, FirstFailu
   bound_ = bound_then_ = 4 * std::numeric_limits<double>::epsilon() * farthest_coordinate(p);
   listed_ = lists.limit();  // asked when it matters
   const double dt = s.clock.dt;
+  begin_walls(s, lists);
+  if (walls_listed_ > kWallsNearlyThere * lists.limit()) return false;
   const std::function<void()> write_columns = [this, &s, &forces] { leave(s, forces); };
   enter(s, forces);
   bool moved = false, failed = false;
   while (s.clock.step < last && !requests.is_signal_caught() && lists_hold(s, lists)) {
     s.pairs.fill_blocks(s.scene, p, PairClass::inner);
     if (s.pairs.blocks().count_outside() > 0) break;
-    forces.compute_balls(s, balance, failure, waiting_.due(bound_, s.pairs), write_columns);
+    forces.compute_balls(s, balance, failure, waiting_.due(bound_ + walls_way_, s.pairs), write_columns);
     // a single step ends such a one, without its pairs
     if ((failed = failure.exists())) break;
-    waiting_.note(bound_, s.pairs);
+    waiting_.note(bound_ + walls_way_, s.pairs);
     const PhaseTimer timer(s.times, Phase::integrate);
-    add_wall_impulses_of_balls(s, dt, pairs_outside(forces), s.totals.walls);
+    add_wall_effects_of_balls(s, forces.scratch().ball_rows, dt, pairs_outside(forces), s.totals.walls);
     const BallsMoved found =
         s.pairs.move_balls(s.scene.source().settings.gravity, dt, kRadiusPerStep, p, groups_, forces.scratch().ball_rows);
     s.clock.advance();
     bound_ += kRounding * (2 * dt * std::sqrt(found.squared_speed));
+    move_walls(s);
     ++count_;
     moved = true;
     if (found.go_far) {
@@ -115,6 +158,7 @@ bool BallSteps::run(RunState& s, ForceStep& forces, Balance& balance, FirstFailu
     }
   }
   leave(s, forces);
+  if (s.scene.has_driven_walls()) waiting_.end_of_walls(s.pairs);
   if (moved) s.pairs.travel().add_to_balls(p, 0.5 * bound_);
   return moved && !failed;
 }

@@ -31,6 +31,8 @@ class BallSteps {
 
  private:
   bool lists_hold(const RunState& s, const NeighbourLists& lists);
+  void begin_walls(const RunState& s, const NeighbourLists& lists);
+  void move_walls(RunState& s);
   /// Takes bodies into groups, and back into their columns.
   void enter(RunState& s, ForceStep& forces);
   void leave(RunState& s, ForceStep& forces);
@@ -44,7 +46,12 @@ class BallSteps {
   std::int64_t looked_at_ = -1;  // number of lists for which `may_run_` was found
   bool may_run_ = false;
   std::int64_t count_ = 0, filled_again_ = -(std::int64_t{1} << 40);
-  double bound_ = 0;   // two bodies have come nearer by this since the steps began, at most [m]
+  double bound_ = 0;  // two bodies have come nearer by this since the steps began, at most [m]
+  // of walls that move: how far away bodies are, how far points of walls there have moved since lists were made and since the steps began,
+  // at most [m]; and where walls were in the step before
+  std::vector<double> wall_reach_;
+  double walls_listed_ = 0, walls_way_ = 0;
+  std::vector<WallState> walls_before_;
   double listed_ = 0;  // as far as a body was from where it was listed when `bound_` was `bound_then_`, at most [m]
   double bound_then_ = 0;
 };

@@ -26,6 +26,8 @@ class NeighbourLists {
   void set_skin(const RunState& s, double fastest) { skin_ = skin_for(s, fastest); }
   double skin() const { return skin_; }  ///< [m]
   double limit() const;                  ///< as far as a body may be from where it was listed [m], in a cell that stays as it is
+  /// As far as a point of a wall that may touch a body has moved since they were made [m].   Cost: O(bodies) for walls that turn
+  double walls_have_moved(const RunState& s) const { return walls_moved(s, walls_listed_, s.walls); }
   /// Lists the pairs of bodies, ghosts and walls.
   void rebuild(RunState& s, Balance& balance);
   std::int64_t rebuilds() const { return rebuilds_; }
