@@ -19,7 +19,7 @@ struct LawInput {
   const Material &a, &b;
   double max_overlap;                             ///< largest overlap at which meshes meet [m]; 0: no limit
   double smallest_max_overlap;                    ///< the least of it [m]
-  bool step_given;                                ///< the step is not derived
+  bool limits_step;                               ///< the step follows from it: it is not given, and bodies move (not heat.frozen)
   bool continues;                                 ///< contacts go on beyond their maximum overlap, along the tangent that they have there
   std::function<LargestImpact()> largest_impact;  ///< goes over all bodies
 };

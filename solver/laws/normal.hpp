@@ -94,7 +94,7 @@ inline void HertzLaw::prepare(const LawInput& in, PairLaw& law) {
     overlap = impact.speed > 0 && !in.continues ? std::min(overlap, in.max_overlap) : in.max_overlap;
   else if (in.continues)
     overlap = impact.radius;  // of balls: their maximum overlap
-  if (!(overlap > 0) && !in.step_given && impact.mass > 0) {
+  if (!(overlap > 0) && in.limits_step && impact.mass > 0) {
     throw UsageError(
         "contact.impact_speed is missing: the step follows from the stiffness of a Hertz contact, which grows with its overlap; "
         "give the speed of the fastest impact, or time.step");

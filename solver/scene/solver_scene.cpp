@@ -342,7 +342,7 @@ PairLaw SolverScene::make_pair_law(const MaterialPair& pair, const BodyExtremes&
                        scene_->materials[static_cast<std::size_t>(pair.b)],
                        margins_by_size() && extremes.least_ball < BodyExtremes::kNone ? 0 : largest_max_overlap_,
                        smallest_max_overlap_,
-                       scene_->settings.step > 0,
+                       !(scene_->settings.step > 0) && !is_frozen(),
                        continues(),
                        [&] { return largest_impact(pair, extremes); }};
   with_law(scene_->settings, [&]<class Entry, class Normal>() {

@@ -126,6 +126,38 @@ TestRun unit_drop(ContactLaw law, bool is_cube, double restitution, double steps
   return moved;
 }
 
+// A Hertz contact stiffens with its overlap: where nothing names an overlap, the step that follows from it needs a speed. The step of
+// bodies that stay as they are follows from conduction: the decomposer packs such a case, and the solver refused it.
+TEST(Hertz, needs_the_speed_of_impacts_only_where_the_step_follows_from_contacts) {
+  const auto run = [](bool is_frozen, double step) {
+    TestRun still(test::empty_scene(0, .5, 0, 0));
+    still.scene.settings.law = ContactLaw::hertz_mindlin;
+    still.scene.settings.step = step;
+    still.scene.settings.duration = 1;
+    if (is_frozen) still.scene.settings.heat = Heat{.temperature = 300, .frozen = true};
+    still.scene.materials[0].young = 1e9;
+    still.scene.materials[0].heat_capacity = 10;
+    still.scene.materials[0].conductivity = 1;
+    still.scene.shapes.push_back(make_sphere("ball", .1));
+    test::add_body(still.scene, 0, {0, 0, 0});
+    still.scene.bodies.temperature = {300};
+    test::add_plane(still.scene, {0, 0, -.2}, {0, 0, 1});
+    still.start();
+    for (int n = 0; n < 3; ++n) still.simulation->advance();
+    return still.simulation->step();
+  };
+  EXPECT_EQ(run(true, 0), 3);
+  EXPECT_EQ(run(true, 1e-3), 3);
+  EXPECT_EQ(run(false, 1e-6), 3);
+  try {
+    run(false, 0);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::usage);
+    EXPECT_NE(std::string(error.what()).find("contact.impact_speed is missing"), std::string::npos) << error.what();
+  }
+}
+
 // Restitution from 0 to 1, from coarse to fine steps, at any phase of touch: as requested, and no energy from nowhere. With less than
 // .006 requested the damping of a step passed what the body had: it rebounded with up to three times its speed.
 TEST(Restitution, from_0_to_1_is_as_requested_in_steps_from_coarse_to_fine) {
