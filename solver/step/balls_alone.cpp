@@ -15,7 +15,9 @@ bool are_balls_alone(const RunState& s) {
       s.scene.has_moving_surfaces() || s.scene.has_answering_walls() || !s.scene.source().inlets.empty() || !may_use_blocks(s.scene, p))
     return false;
   const LaneLaws& laws = s.scene.ball_laws();
-  if (std::count(laws.holds.begin(), laws.holds.end(), 0) > 0 ||
+  // two materials that nothing asks the law of do not meet: those of walls, or what nothing is made of
+  const std::vector<MaterialPair>& pairs = s.scene.source().pairs;
+  if (std::any_of(pairs.begin(), pairs.end(), [&](const MaterialPair& pair) { return laws.holds[laws.row(pair.a, pair.b)] == 0; }) ||
       std::any_of(laws.row_of_zone.begin(), laws.row_of_zone.end(), [](std::int32_t row) { return row < 0; }))
     return false;  // some pairs go the general path in every step
   for (std::size_t i = 0; i < p.size(); ++i)

@@ -192,6 +192,27 @@ TEST(BallSteps, have_the_bits_of_single_steps_for_any_number_of_balls_and_in_a_c
   omp_set_num_threads(threads);
 }
 
+// Walls do not meet each other, so that no law is given for their material alone: steps were single ones in every such scene.
+TEST(BallSteps, have_the_bits_of_single_steps_where_walls_are_of_another_material) {
+  for (const double friction : {0.0, 0.5}) {
+    Scene scene = falling_balls(ContactLaw::hunt_crossley, friction, false);
+    scene.materials.push_back({"steel", 7800, 1e6, 0.3});
+    scene.materials.push_back({"unused", 1000, 1e6, 0.3});
+    for (const std::int32_t ball : {0, 1}) {
+      MaterialPair pair = scene.pairs[0];
+      pair.a = ball;
+      pair.b = 2;
+      pair.restitution = 0.6;
+      scene.pairs.push_back(pair);
+    }
+    for (Wall& wall : scene.walls) wall.material = 2;
+    const End single = run_scene(scene, 1500, Way::single), at_once = run_scene(scene, 1500, Way::at_once);
+    EXPECT_EQ(single.share, 0);
+    EXPECT_GT(at_once.share, 0.7);
+    expect_same_ends(single, at_once);
+  }
+}
+
 // Bodies that leave do so in the step in which they would have left.
 TEST(BallSteps, end_where_bodies_are_reviewed) {
   Scene scene = falling_balls(ContactLaw::hertz_mindlin, 0.5, false);
