@@ -346,7 +346,7 @@ def far_away_things(trial):
 def other_output(trial):
     """What is written, and how often, is no physics."""
     run = trial.completed()
-    if trial.case.value("time", "stop_at_rest") or trial.case.value("time", "stop_when_empty") or trial.case.value("cell", "stop_when"):
+    if ends_at_an_output(trial.case):
         raise NotApplicable("the run ends at an output time")
     if trial.case.value("heat", "frozen") and trial.case.value("time", "step") is None:
         raise NotApplicable("the derived step of a frozen bed is a whole part of the time between frames (CASE.md)")
@@ -362,6 +362,94 @@ def other_output(trial):
     require(other.hash == run.hash, f"other output settings {table} change the state at the end")
     where = frame_difference(without_contacts(run.frames[-1]), without_contacts(other.frames[-1]))
     require(where is None, f"other output settings {table}: last frame {where}")
+
+
+# of an interval between two rows or of the rows that there are (core/storage/RUN_FORMAT.md): what depends on when rows are written
+OF_INTERVALS = ("max_depth_ratio",)
+OF_ROWS = ("critical_step", "critical_contact")
+ENERGIES_OF_ROWS = ("error_max", "error_relative", "kinetic_peak")
+OF_OUTPUT = ("output_every", "checkpoint_every", "checkpoint_by_clock")   # of the settings
+kStepsBetweenFrames = 39    # at most, so that rows of the log are three steps apart at most: balls alone go four steps or more without a break
+kFewFrames = 200
+kStepsOfFineOutput = 12000  # of longer runs the beginning is compared
+
+
+@relation("bits", another_log_digit)
+def outputs_at_other_times(trial):
+    """Rows of the log and frames of the same step are the same, in a run that writes after nearly every step, and in one that writes hardly
+    anything. Balls alone go from one output to the next without a break (decisions/045): here single steps are compared with many."""
+    if trial.case.value("heat", "frozen") and trial.case.value("time", "step") is None:
+        raise NotApplicable("the derived step of a frozen bed is a whole part of the time between frames (CASE.md)")
+    scene, run = trial.short(kStepsOfFineOutput)
+    if run.steps == 0:
+        raise NotApplicable("the run is over as it begins")
+    step, duration = run.record["step_size"], scene.general["duration"]
+    least = min(kStepsBetweenFrames, run.steps // kFewFrames + 1)
+    for every in (step * trial.random.randint(least, kStepsBetweenFrames), duration * trial.random.choice([1, 1, 0.5, trial.random.uniform(0.1, 1.5)])):
+        case = trial.case.copy()
+        case.words["time"]["duration"] = duration
+        case.table("output")["every"] = every
+        case.table("output")["checkpoint"] = 0 if trial.random.random() < 0.7 else duration * trial.random.uniform(0.1, 0.5)
+        other = trial.solve_case(case)
+        found = differences_at_common_steps(case, run, other)
+        require(not found, f"output every {every / step:.6g} steps: " + "\n  ".join(found[:6]))
+
+
+def ends_at_an_output(case):
+    return case.value("time", "stop_at_rest") or case.value("time", "stop_when_empty") or case.value("cell", "stop_when")
+
+
+def differences_at_common_steps(case, a, b):
+    """Of two runs that write at other times. What is in both is compared up to the step in which one of them becomes invalid."""
+    found = []
+    last = min([invalid_step(run) for run in (a, b) if not run.completed()], default=math.inf)
+    # the energy balance is examined in rows of the log
+    by_rows = any(words in run.record["message"] for run in (a, b) if not run.completed() for words in ("energy grew", "gave back"))
+    if not ends_at_an_output(case) and not by_rows:
+        found += outcome_difference(a, b, OUTCOME if last == math.inf else ("outcome", "message", "exit_code"))
+        for name in a.tables if last == math.inf else ():
+            if a.tables[name] != b.tables[name]:
+                found.append(f"{name} differs: {first_difference(a.tables[name], b.tables[name])}")
+    if physics_columns(a.log) != physics_columns(b.log):
+        return found + ["log.csv has other columns"]
+    rows, others = ({step: row for row, step in enumerate(run.log["step"])} for run in (a, b))
+    common = [step for step in rows if step in others and int(step) < last]
+    begin, end = 0, 0
+    for step in common:
+        i, j = rows[step], others[step]
+        at = [f"{name}: {a.log[name][i]} against {b.log[name][j]}" for name in physics_columns(a.log)
+              if name not in OF_INTERVALS and a.log[name][i] != b.log[name][j]]
+        for name in OF_INTERVALS:
+            left, right = max(a.column(name)[begin:i + 1]), max(b.column(name)[end:j + 1])
+            if left != right:
+                at.append(f"largest {name} since the common row before: {left} against {right}")
+        if at:
+            found.append(f"log.csv at step {step}: " + "; ".join(at[:4]))
+            break
+        begin, end = i + 1, j + 1
+    frames = {frame.attributes["step"]: frame for frame in b.frames}
+    for f in a.frames:
+        g = frames.get(f.attributes["step"]) if f.attributes["step"] < last else None
+        where = g and frame_difference(without_number(f), without_number(g))
+        if where:
+            found.append(f"frame of step {f.attributes['step']}: {where}")
+            break
+    return found
+
+
+def outcome_difference(a, b, keys):
+    """Of run.json, but for what is of the rows of the log."""
+    found = []
+    for key in keys:
+        left, right = a.record.get(key), b.record.get(key)
+        if key == "energy":
+            left, right = ({name: value for name, value in energy.items() if name not in ENERGIES_OF_ROWS} for energy in (left, right))
+        if key == "settings":
+            left, right = ({**every, "settings": {name: value for name, value in every["settings"].items() if name not in OF_OUTPUT}}
+                           for every in (left, right))
+        if key not in OF_ROWS and left != right:
+            found.append(f"run.json {key}: {short(left)} against {short(right)}")
+    return found
 
 
 def bodies_go_the_same_way(trial, case, what):
@@ -418,11 +506,16 @@ def stepped_by_the_engine(trial):
     require(out.split()[-1] == found.hash, f"the engine has the state {out.split()[-1]}, the solver {found.hash}")
 
 
-def without_contacts(frame):
+def without_number(frame):
     kept = object.__new__(type(frame))
     kept.__dict__.update(frame.__dict__)
-    kept.contacts = {}
     kept.attributes = {name: value for name, value in frame.attributes.items() if name != "number"}
+    return kept
+
+
+def without_contacts(frame):
+    kept = without_number(frame)
+    kept.contacts = {}
     return kept
 
 

@@ -17,10 +17,18 @@ from model import Case
 from transforms import Placement, placed, right_angle_turns
 
 FEATURES = []
+OF_BALLS_ALONE = []          # those of a scene of balls alone
+kShareOfBallsAlone = 0.12    # of all cases: the features of the others leave one in a thousand
 
 
 def feature(function):
     FEATURES.append(function)
+    return function
+
+
+def of_balls(function):
+    """A feature that scenes of balls alone have too."""
+    OF_BALLS_ALONE.append(function)
     return function
 
 
@@ -31,10 +39,12 @@ class Draft:
     room: where bodies may be placed, two corners; clear of all walls by `gap`
     valleys: concave places of walls, a point and the normals of the faces that meet there; laid: how many bodies lie in
     some; laid_in: where, two corners
+    alone: balls, still walls of formulas and gravity, and nothing else, whose steps go without a break (decisions/045)
     """
 
     def __init__(self, seed):
         self.random = random_numbers.Random(f"case {seed}")
+        self.alone = random_numbers.Random(f"balls alone {seed}").random() < kShareOfBallsAlone
         self.case = Case({"title": f"seed {seed}", "seed": self.random.randrange(1000)}, note=f"seed {seed}")
         self.words = self.case.words
         self.extra_speed = 0.0    # of walls
@@ -74,13 +84,14 @@ class Draft:
 
 def generate(seed):
     draft = Draft(seed)
-    for function in FEATURES:
+    for function in OF_BALLS_ALONE if draft.alone else FEATURES:
         function(draft)
     return draft.case
 
 
 # ---- what a scene is made of
 
+@of_balls
 @feature
 def scale_of_things(d):
     """Lengths from millimetres to metres, densities of foam to steel, speeds around those of a fall by a radius."""
@@ -90,6 +101,7 @@ def scale_of_things(d):
     d.margin = d.radius * d.between(0.02, 0.1)
 
 
+@of_balls
 @feature
 def gravity(d):
     kind = d.pick({"default": 4, "none": 3, "other": 3})
@@ -102,6 +114,7 @@ def gravity(d):
     d.g = float(numpy.linalg.norm(d.case.gravity))
 
 
+@of_balls
 @feature
 def materials(d):
     count = d.pick({1: 5, 2: 3, 3: 1})
@@ -110,10 +123,11 @@ def materials(d):
     d.wall_materials = d.materials if d.chance(0.7) else d.materials[-1:]
 
 
+@of_balls
 @feature
 def shapes(d):
     """Balls, meshes of a dozen to a hundred triangles, or both."""
-    kind = d.pick({"balls": 4, "meshes": 4, "both": 3})
+    kind = "balls" if d.alone else d.pick({"balls": 4, "meshes": 4, "both": 3})
     d.words["shapes"] = {}
     names = []
     if kind != "meshes":
@@ -150,11 +164,12 @@ def thin_and_dented_shapes(d):
     d.random = others
 
 
+@of_balls
 @feature
 def how_many(d):
-    d.settles = d.g > 0 and d.chance(0.1)   # meant to come to rest
-    most = 4 if d.settles else 12 if d.meshed else 30
-    d.count = d.pick({1: 1, 2: 3, d.random.randint(3, 8): 4, d.random.randint(4, most): 4})
+    d.settles = d.g > 0 and d.chance(0.5 if d.alone else 0.1)   # meant to come to rest
+    most = (12 if d.alone else 4) if d.settles else 12 if d.meshed else 30
+    d.count = d.pick({1: 1, 2: 3, d.random.randint(3, 8): 4, d.random.randint(4, most): 12 if d.alone else 4})
     d.gap = 2.2 * d.margin
     d.cell = 2 * d.radius + d.gap + d.radius * d.log_between(0.005, 0.6)
     base = max(1, round((d.count / d.between(1, 3)) ** (1 / 2.5)))
@@ -166,35 +181,45 @@ def how_many(d):
 # ---- walls: each container sets d.room and d.closed
 
 CONTAINERS = {}
+PLAIN_CONTAINERS = {}   # of balls alone: planes, boxes and cylinders
 
 
-def container(weight):
+def container(weight, plain=0):
+    """plain: weight among those of balls alone"""
     def keep(function):
         CONTAINERS[function] = weight
+        if plain:
+            PLAIN_CONTAINERS[function] = plain
         return function
     return keep
 
 
+def some_axes(d, axes, probability):
+    """That become periodic."""
+    return [] if d.alone else [axis for axis in axes if d.chance(probability)]
+
+
+@of_balls
 @feature
 def walls(d):
     half = d.size / 2
     d.room = numpy.array([[-half[0], -half[1], d.gap], [half[0], half[1], d.gap + d.size[2]]])
     d.periodic, d.closed = [], False
-    d.pick(CONTAINERS)(d)
+    d.pick(PLAIN_CONTAINERS if d.alone else CONTAINERS)(d)
     for i, wall in enumerate(d.case.walls):
         if d.chance(0.3):
             wall["name"] = d.random.choice(["wall", "Wand", "left & right", "w"]) + str(i)
 
 
-@container(3)
+@container(3, plain=1)
 def open_space(d):
-    axes = [axis for axis in "xyz" if d.chance(0.35)]
+    axes = some_axes(d, "xyz", 0.35)
     make_periodic(d, axes)
 
 
-@container(4)
+@container(4, plain=2)
 def one_plane(d):
-    axes = [axis for axis in "xy" if d.chance(0.25)]
+    axes = some_axes(d, "xy", 0.25)
     make_periodic(d, axes)
     lean = numpy.array([0 if "x" in axes else d.between(-0.3, 0.3), 0 if "y" in axes else d.between(-0.3, 0.3), 1.0])
     if d.chance(0.5):
@@ -205,7 +230,7 @@ def one_plane(d):
     d.wall({"plane": {"point": (lean * (low - d.gap)).tolist(), "normal": lean.tolist()}})
 
 
-@container(2)
+@container(2, plain=3)
 def several_planes(d):
     d.wall({"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}})
     for axis in range(2):
@@ -216,9 +241,9 @@ def several_planes(d):
                 d.wall({"plane": {"point": point, "normal": normal}})
 
 
-@container(4)
+@container(4, plain=4)
 def box_inside(d):
-    axes = [axis for axis in "xyz" if d.chance(0.2)]
+    axes = some_axes(d, "xyz", 0.2)
     make_periodic(d, axes)
     low, high = d.room[0] - d.gap, d.room[1] + d.gap
     for k, axis in enumerate("xyz"):
@@ -228,7 +253,7 @@ def box_inside(d):
     d.closed = True
 
 
-@container(3)
+@container(3, plain=4)
 def cylinder_inside(d):
     k = d.random.randrange(3)
     across = [j for j in range(3) if j != k]
@@ -236,7 +261,7 @@ def cylinder_inside(d):
     radius = float(numpy.linalg.norm((d.room[1] - d.room[0])[across]) / 2 + d.gap)
     start, end = middle.copy(), middle.copy()
     start[k], end[k] = d.room[0][k] - d.gap, d.room[1][k] + d.gap
-    if d.chance(0.3):
+    if some_axes(d, "xyz"[k], 0.3):
         make_periodic(d, ["xyz"[k]], {j: radius + d.radius for j in across})
         start[k], end[k] = d.words["domain"]["min"][k], d.words["domain"]["max"][k]
     d.wall({"cylinder_inside": {"start": start.tolist(), "end": end.tolist(), "radius": radius}})
@@ -380,7 +405,7 @@ def surface_from_file(d):
             d.periodic, d.room = [], room
 
 
-@container(2)
+@container(2, plain=1)
 def row_of_fixed_bodies(d):
     """A floor of bodies that never move, over a plane that catches what falls between them."""
     d.fixed_row = True
@@ -505,6 +530,7 @@ def make_periodic(d, axes, reach=None):
     d.periodic = list(axes)
 
 
+@of_balls
 @feature
 def domain(d):
     if d.periodic:
@@ -525,6 +551,7 @@ def all_places(d):
 
 # ---- bodies
 
+@of_balls
 @feature
 def bodies(d):
     """In the cells of a grid, or drawn by the decomposer."""
@@ -849,10 +876,11 @@ def surfaces(d):
 
 # ---- how contacts are computed
 
+@of_balls
 @feature
 def contact(d):
     law = d.pick({"linear": 5, "hunt-crossley": 2, "hertz-mindlin": 3})
-    gather = d.pick({"potential": 8, "area": 1.2, "pairs": 0.8})
+    gather = "potential" if d.alone else d.pick({"potential": 8, "area": 1.2, "pairs": 0.8})
     if gather == "area" and law == "hertz-mindlin":
         law = "linear"
     d.law, d.gather = law, gather
@@ -880,7 +908,7 @@ def contact(d):
     if d.chance(0.2):
         table["impact_speed"] = fastest(d) * d.between(0.9, 1.5)
     d.barrier = 0.0
-    if gather == "potential" and table.get("margin", 0) > 0 and (d.meshed or surface == "outside") and d.chance(0.1):
+    if gather == "potential" and table.get("margin", 0) > 0 and (d.meshed or surface == "outside") and not d.alone and d.chance(0.1):
         d.barrier = table["barrier"] = d.log_between(0.05, 3)
     if table:
         d.words["contact"] = table
@@ -974,6 +1002,7 @@ def lay(d, body, point, normals, gap):
         body["velocity"] = (0.3 * numpy.array(body["velocity"])).tolist()
 
 
+@of_balls
 @feature
 def pressed_starts(d):
     """Some bodies begin within the margins of each other, or overlap where the case parts them."""
@@ -1017,6 +1046,7 @@ def fastest(d):
     return 1.3 * d.speed + 0.8 * math.sqrt(2 * d.g * height) + d.extra_speed
 
 
+@of_balls
 @feature
 def pairs(d):
     """Every pair of materials; stiff enough for the fastest impact of the heaviest body."""
@@ -1069,6 +1099,28 @@ def friction_of(d, pair):
         pair["torsional_friction"] = d.log_between(0.01, 0.5)
     if d.chance(0.1):
         pair["contact_radius"] = d.radius * d.between(0.2, 1)
+
+
+@of_balls
+def contacts_alike(d):
+    """Of balls alone: pairs of materials that differ in what they keep, springs of friction and of rolling, are left to single steps; most scenes have none."""
+    if d.chance(0.1):
+        return
+    rubs = [pair for pair in d.words["pairs"] if "friction" in pair]
+    rolls = bool(rubs) and d.chance(0.4)
+    for pair in d.words["pairs"]:
+        if rubs and pair not in rubs:
+            friction_of(d, pair)
+        if not rubs:
+            pair["restitution"] = min(pair["restitution"], d.between(0.5, 0.95))
+            if d.law == "hunt-crossley":
+                pair.setdefault("restitution_speed", d.speed)
+        for key in ("rolling_friction", "rolling_model", "torsional_friction"):
+            pair.pop(key, None)
+        if rolls:
+            pair["rolling_friction"] = d.log_between(0.01, 0.5)
+            if d.chance(0.5):
+                pair["torsional_friction"] = d.log_between(0.01, 0.5)
 
 
 @feature
@@ -1126,14 +1178,16 @@ def fluid(d):
     d.words["fluid"] = fluid_of
 
 
+@of_balls
 @feature
 def methods(d):
     if d.chance(0.3):
-        d.words["motion"] = {"integrator": d.pick({"kdk-dlm": 1, "midpoint": 1, "spiral": 1, "rig": 1, "euler": 1})}
+        d.words["motion"] = {"integrator": d.pick({"kdk-dlm": 1, "midpoint": 1, "spiral": 1, "rig": 1, "euler": 0 if d.alone else 1})}
 
 
 # ---- time and output
 
+@of_balls
 @feature
 def duration(d):
     """As long as it takes to go some radii, at most some ten thousand steps as far as stiffness tells: on several ranks that share cores a step
@@ -1150,7 +1204,7 @@ def duration(d):
     if d.chance(0.1):
         time.pop("steps_per_contact", None)
         time["step"] = step * d.between(0.5, 1)
-    if d.chance(0.15):
+    if not d.alone and d.chance(0.15):
         time["step_control"] = d.pick({"quantised": 4, "fixed": 1})
     if d.settles:
         d.duration = time["duration"] = min(8 * d.duration, 30000 * step)
@@ -1189,6 +1243,7 @@ def wear(d):
     d.random = others
 
 
+@of_balls
 @feature
 def output(d):
     table = {"every": d.duration / (40 if d.settles else d.random.randint(5, 12))}
@@ -1286,6 +1341,19 @@ def inlets_beside_bodies(d):
     d.random = kept
 
 
+@of_balls
+def balls_leave(d):
+    """Balls alone that pass a side of the room leave, in some scenes: these are reviewed every few steps."""
+    time = d.words["time"]
+    if d.chance(0.85) or time.get("stop_at_rest") or time.get("stop_when_empty"):
+        return
+    low, high = d.room[0] - 30 * d.radius, d.room[1] + 30 * d.radius
+    k = d.random.randrange(3)
+    low[k] = d.room[0][k] + d.between(0.5, 1) * (d.room[1][k] - d.room[0][k])
+    d.words["outlets"] = [{"region": {"box": [low.tolist(), high.tolist()]}}]
+
+
+@of_balls
 @feature
 def anywhere(d):
     """The whole scene turned and moved: nothing may depend on axes, but boxes stay along them."""
@@ -1515,6 +1583,7 @@ def pieces(d):
     d.random = kept
 
 
+@of_balls
 @feature
 def stiffness_by_size(d):
     """From numbers of its own, as surfaces. About the same stiffness for two bodies of the scene's size."""

@@ -37,7 +37,7 @@ TOOLS = None
 # how many relations of each kind a random case is put to
 DRAWN = {"bits": 3, "near": 2, "sums": 3}
 # how often a relation is drawn against others of its kind, where not once
-WEIGHTS = {"any_ranks_and_threads": 3, "killed_and_continued": 2, "restarted_when_finished": 0.7, "packed_twice": 0.5, "the_case_in_the_scene": 0.5,
+WEIGHTS = {"any_ranks_and_threads": 3, "killed_and_continued": 2, "outputs_at_other_times": 2, "restarted_when_finished": 0.7, "packed_twice": 0.5, "the_case_in_the_scene": 0.5,
            "plan_tells_what_runs": 0.5, "post_tables": 0.5, "report_trusts_its_files": 0.3, "any_mesh_format": 0.4}
 
 

@@ -72,11 +72,11 @@ class Trial:
     def solve_case(self, case, *arguments, **how):
         return self.solve(self.tools.pack(case, *arguments), **how)
 
-    def short(self):
-        """Scene and serial run of the first kStepsInTurns steps of the case."""
-        if self.run.steps <= kStepsInTurns:
+    def short(self, most=kStepsInTurns):
+        """Scene and serial run of the first `most` steps of the case."""
+        if self.run.steps <= most:
             return self.scene, self.run
-        scene = self.tools.pack(self.case, "--set", f"time.duration={self.scene.general['duration'] * kStepsInTurns / self.run.steps!r}")
+        scene = self.tools.pack(self.case, "--set", f"time.duration={self.scene.general['duration'] * most / self.run.steps!r}")
         return scene, self.tools.solve(scene)
 
     def parallel(self):
