@@ -94,6 +94,38 @@ TEST_P(BallStepsOfALaw, have_the_bits_of_single_steps_in_a_periodic_cell) {
   EXPECT_GT(gone, 50);
 }
 
+// A drum that turns about an axis beside its origin, a lid that comes down slanted, a floor that shakes from some time on, and an end that
+// turns with the drum.
+TEST_P(BallStepsOfALaw, have_the_bits_of_single_steps_beside_walls_that_move) {
+  Scene scene = falling_balls(GetParam(), 0.5, false);
+  for (MaterialPair& pair : scene.pairs) pair.rolling_friction = 0.05;
+  scene.walls.clear();
+  const auto move = [&scene](const auto& motion, double start = 0) {
+    scene.walls.back().motion.kind = motion;
+    scene.walls.back().motion.start = start;
+    scene.walls.back().motion.stop = 1e300;
+  };
+  Wall& drum = add_wall(scene, WallKind::cylinder_inside);
+  drum.axis_start = {0.09, 0, 0.09};
+  drum.axis_end = {0.09, 0.2, 0.09};
+  drum.radius = 0.15;
+  move(Rotate{.axis = {0, 1, 0}, .centre = {0.09, 0, 0.09}, .rate = 5});
+  add_plane(scene, {0, 0, 0.16}, {0, 0, -1});
+  move(Translate{.axis = {0, 0.6, -0.8}, .rate = 0.3});
+  add_plane(scene, {0, 0, 0}, {0, 0, 1});
+  move(Oscillate{.axis = {0, 0, 1}, .amplitude = 0.002, .frequency = 60, .phase = 0.3}, 0.01);
+  add_plane(scene, {0, -0.001, 0}, {0, 1, 0});
+  move(Rotate{.axis = {0, 1, 0}, .centre = {0.09, 0, 0.09}, .rate = 5});
+  add_plane(scene, {0, 0.19, 0}, {0, -1, 0});
+  const End single = run_scene(scene, 3000, Way::single), at_once = run_scene(scene, 3000, Way::at_once),
+            by_chance = run_scene(scene, 3000, Way::by_chance);
+  EXPECT_EQ(single.share, 0);
+  EXPECT_GT(at_once.share, 0.7);
+  expect_same_ends(single, at_once);
+  expect_same_ends(single, by_chance);
+  EXPECT_NE(single.run->simulation->state().totals.walls.work.value(), 0);
+}
+
 TEST_P(BallStepsOfALaw, have_the_bits_of_single_steps_where_balls_roll) {
   Scene scene = falling_balls(GetParam(), 0.5, false);
   for (MaterialPair& pair : scene.pairs) {
@@ -239,8 +271,8 @@ TEST(BallSteps, are_not_taken_where_something_else_happens_in_a_step) {
   EXPECT_EQ(share_of([](Scene& s) { s.settings.integrator = Integrator::euler; }), 0);
   EXPECT_EQ(share_of([](Scene& s) { s.settings.on_overlap = OnOverlap::proceed; }), 0);
   EXPECT_EQ(share_of([](Scene& s) {
-              s.walls.back().motion.kind = Translate{.axis = {0, 0, 1}, .rate = 0.01};
-              s.walls.back().motion.stop = 1e300;
+              s.walls.back().surface.motion.kind = Translate{.axis = {0, 0, 1}, .rate = 0.01};
+              s.walls.back().surface.motion.stop = 1e300;
             }),
             0);
 }
