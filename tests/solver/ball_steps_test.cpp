@@ -258,6 +258,27 @@ TEST(BallSteps, end_where_bodies_are_reviewed) {
   expect_same_ends(single, at_once);
 }
 
+// Bodies at rest say nothing of when a wall comes: its own way does, and that of what turns by as far as bodies are from its axis.
+TEST(BallSteps, see_walls_come_to_bodies_at_rest) {
+  for (const bool turns : {false, true}) {
+    SCOPED_TRACE(turns);
+    Scene scene = falling_balls(ContactLaw::hertz_mindlin, 0.5, false);
+    scene.settings.gravity = {};
+    for (Vec3& v : scene.bodies.velocity) v = {};
+    scene.walls.clear();
+    add_plane(scene, {-0.02, 0, 0}, {1, 0, 0});
+    if (turns)
+      scene.walls.back().motion.kind = Rotate{.axis = {0, 1, 0}, .centre = {-0.02, 0, -1}, .rate = 0.3};
+    else
+      scene.walls.back().motion.kind = Translate{.axis = {1, 0, 0}, .rate = 0.4};
+    scene.walls.back().motion.stop = 1e300;
+    const End single = run_scene(scene, 4000, Way::single), at_once = run_scene(scene, 4000, Way::at_once);
+    EXPECT_GT(at_once.share, 0.7);
+    EXPECT_NE(single.run->simulation->state().totals.walls.work.value(), 0);
+    expect_same_ends(single, at_once);
+  }
+}
+
 TEST(BallSteps, are_not_taken_where_something_else_happens_in_a_step) {
   const auto share_of = [](const std::function<void(Scene&)>& change) {
     Scene scene = falling_balls(ContactLaw::hertz_mindlin, 0.5, false);
