@@ -1,6 +1,6 @@
 // Which runs are of balls alone, so that their steps may go without a break (step/ball_steps.hpp): one rank, no effects that act, no sleep,
-// fluid, inlets or periodic axes, planes and cylinders that stand still, a law that lanes have for all pairs of materials that are given,
-// fixed steps.
+// fluid or inlets, a cell that does not deform, planes and cylinders without surfaces that move or answer to force, a law that lanes have
+// for all pairs of materials that are given, fixed steps.
 #pragma once
 
 #include "solver/state/run_state.hpp"
