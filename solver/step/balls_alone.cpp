@@ -11,8 +11,8 @@ bool are_balls_alone(const RunState& s) {
   const ParticleSet& p = s.particles;
   const Settings& settings = s.scene.source().settings;
   if (!built_with::kRotation || s.comm.size() > 1 || s.fluid || s.clock.level > 0 || settings.step_control == StepControl::quantised ||
-      s.integrator == Integrator::euler || p.cell.deforms() || p.cell.periodicity().is_sheared() ||
-      s.scene.has_moving_surfaces() || s.scene.has_answering_walls() || !s.scene.source().inlets.empty() || !may_use_blocks(s.scene, p))
+      s.integrator == Integrator::euler || p.cell.deforms() || p.cell.periodicity().is_sheared() || s.scene.has_moving_surfaces() ||
+      s.scene.has_answering_walls() || !s.scene.source().inlets.empty() || !may_use_blocks(s.scene, p))
     return false;
   const LaneLaws& laws = s.scene.ball_laws();
   // two materials that nothing asks the law of do not meet: those of walls, or what nothing is made of
