@@ -39,7 +39,7 @@ class Draft:
     room: where bodies may be placed, two corners; clear of all walls by `gap`
     valleys: concave places of walls, a point and the normals of the faces that meet there; laid: how many bodies lie in
     some; laid_in: where, two corners
-    alone: balls, still walls of formulas and gravity, and nothing else, whose steps go without a break (decisions/045)
+    alone: balls, walls of formulas that stand still or move, and gravity, and nothing else: steps go without a break (decisions/045)
     """
 
     def __init__(self, seed):
@@ -196,7 +196,7 @@ def container(weight, plain=0):
 
 def some_axes(d, axes, probability):
     """That become periodic."""
-    return [] if d.alone else [axis for axis in axes if d.chance(probability)]
+    return [axis for axis in axes if d.chance(probability)]
 
 
 @of_balls
@@ -719,6 +719,7 @@ def orientation_of(d):
 
 # ---- what moves
 
+@of_balls
 @feature
 def motions(d):
     """Some walls move, slowly enough for what they carry; times in shares of the duration, set by `duration`."""
@@ -761,6 +762,7 @@ def motions(d):
         d.extra_speed = max(d.extra_speed, speed)
 
 
+@of_balls
 @feature
 def second_motions(d):
     """Some walls that move do so in two ways, which come in either order. From numbers of its own, as surfaces."""

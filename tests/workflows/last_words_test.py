@@ -69,9 +69,10 @@ os.makedirs(SCRATCH)
 result = ends(["scree-solver: error: drum.toml:14: too soft"],
               f"cat >&2 <<'END'\nscree-solver: warning: of no matter\nscree-solver: error: drum.toml:14: too soft\n{MPIRUN}END\nexit 5\n")
 assert result.stderr.count("scree-solver: error") == 2 and "Complete log" in result.stderr, result.stderr   # as it came, and last
-# a message of several lines as a whole, without the colours of a terminal
-ends(["scree-mesher: error: two things:", "  one", "  two"],
-     r"printf 'scree-mesher: \033[31merror:\033[0m two things:\n  one\n  two\n' >&2; exit 3")
+# a message of several lines as a whole, without the colours of a terminal, written at once as the tools do: what a shell writes line by
+# line may have words of Snakemake in between
+write("message", "scree-mesher: \033[31merror:\033[0m two things:\n  one\n  two\n")
+ends(["scree-mesher: error: two things:", "  one", "  two"], "cat message >&2; exit 3")
 # programs that are not Scree's; no word at all
 ends(["ValueError: no such frame"], "/usr/bin/python3 -c 'raise ValueError(\"no such frame\")'")
 ends(["workflows/run: error: the step 'a' failed without a message of its own"], "exit 7")
