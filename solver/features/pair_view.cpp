@@ -131,7 +131,7 @@ void view_two_meshes(const SolverScene& scene, const ParticleSet& p, std::int32_
                      PairView& view) {
   const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
   view_row(scene, p, i, view.a, view.radius_a);
-  view.off_middle = view.cell_size = 0;
+  view.off_middle = view.cell_size = view.cluster_depth = 0;
   view.zone = nullptr;
   view.cells = CellSide::none;
   view_body(scene, p, i, j, view);

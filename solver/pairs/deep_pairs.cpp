@@ -10,7 +10,7 @@ void go_on(PairPass& pass, std::size_t thread, const DeepPair& at, const DeepShi
   const double overlap = at.force.largest_overlap, limit = pass.stop_ratio * view.max_overlap;
   if (!std::isfinite(overlap)) too_deep = true;
   if (!(overlap <= kMaxOverlap * std::min(view.radius_a, view.radius_b)))
-    pass.through.store(static_cast<std::int32_t>(&pair - pass.list.stored_pairs().data()));
+    pass.through.add(static_cast<std::int32_t>(&pair - pass.list.stored_pairs().data()));
   if (pass.is_read_only()) return;
   DeepShift next = before;
   if (pass.friction_dt > 0) {

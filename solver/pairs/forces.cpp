@@ -106,14 +106,18 @@ void check_pass(const PairPass& pass, std::span<const std::int32_t> which, std::
     const std::string squeezed = squeezed_between_walls(pass, k);
     return squeezed.empty() ? std::string(general(k)) : squeezed;
   };
-  if (const std::int32_t k = pass.intersecting.load(); k >= 0) throw RunInvalid("step {}: {} intersect; {}", step, describe(k), cure(k));
-  if (pass.passing.load() >= 0) {
+  if (pass.intersecting.exists()) {
+    const std::int32_t k = pass.intersecting.index();
+    throw RunInvalid("step {}: {} intersect; {}", step, describe(k), cure(k));
+  }
+  if (pass.passing.exists()) {
     throw RunInvalid(
         "step {}: {} move by more than the sum of their margins in a step of {:.3g} s and could have passed through each other "
         "unseen; reduce the step",
-        step, describe(pass.passing.load()), pass.dt);
+        step, describe(pass.passing.index()), pass.dt);
   }
-  if (const std::int32_t k = pass.through.load(); k >= 0) {
+  if (pass.through.exists()) {
+    const std::int32_t k = pass.through.index();
     throw RunInvalid(
         "step {}: {} lie in each other by more than {} times the bounding radius of the smaller: nothing is left for on_overlap = "
         "\"continue\" to continue; {}",

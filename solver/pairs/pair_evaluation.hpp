@@ -169,7 +169,7 @@ class PairEvaluation {
     const PairVelocities now = velocities(pair, view);
     if (!list_shifted<Model>(view, now, candidate_skin(view, now, pass_.dt), distance_, lists, shift)) {
       lists.skin = -1;
-      return pass_.intersecting.store(k);
+      return pass_.intersecting.add(k);
     }
     shift_ = shift;
     has_other_shift_ = true;
@@ -232,12 +232,12 @@ class PairEvaluation {
   void see_passing(std::int32_t k, const PairView& view, const BodyPair& pair, double moved, const CandidateLists& lists) {
     const PairMotion motion = motion_of(pass_.p, pair.a, pair.b, view, velocities(pair, view), matrix_of(view.a.q));
     if (may_have_passed_through(view.a, view.b, motion, view.radius_a, view.radius_b, view.margin, pass_.dt, moved, lists, distance_))
-      pass_.passing.store(k);
+      pass_.passing.add(k);
   }
   bool list_again(std::int32_t k, const PairView& view, const BodyPair& pair, CandidateLists& lists, double& moved) {
     moved = 0;
     if (Model::list(view, candidate_skin(view, velocities(pair, view), pass_.dt), distance_, lists)) return true;
-    if (!pass_.continues) pass_.intersecting.store(k);
+    if (!pass_.continues) pass_.intersecting.add(k);
     return false;
   }
   PairVelocities velocities(const BodyPair& pair, const PairView& view) const {

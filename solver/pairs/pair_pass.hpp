@@ -12,6 +12,21 @@
 namespace scree {
 
 /// One evaluation of pairs: what all threads read, and what any of them may find wrong.
+/// The first of the pairs, in the order of the list, that make the run invalid in some way: the same one whichever is computed first.
+class FailedPair {
+ public:
+  void add(std::int32_t k) {
+    std::int32_t least = k_.load();
+    while ((least < 0 || k < least) && !k_.compare_exchange_weak(least, k)) {
+    }
+  }
+  bool exists() const { return k_.load() >= 0; }
+  std::int32_t index() const { return k_.load(); }
+
+ private:
+  std::atomic<std::int32_t> k_{-1};
+};
+
 struct PairPass {
   const SolverScene& scene;
   const ParticleSet& p;
@@ -31,7 +46,7 @@ struct PairPass {
   std::optional<PairClass> blocks{};  ///< the pass is over all pairs of this class, those in blocks too
   bool has_ball_rows = false;         ///< scratch.ball_rows are those of the present places already
   bool has_columns = true;            ///< so are the columns of p; if not, pairs that need these are left in scratch.left
-  std::atomic<std::int32_t> intersecting{-1}, passing{-1}, through{-1};
+  FailedPair intersecting, passing, through;
 
   bool is_read_only() const { return examines || at_rest; }
   /// Whether pairs may be computed in lanes (ball_evaluation.hpp, mesh_evaluation.hpp), which leave out what PairEvaluation alone does.

@@ -1,6 +1,7 @@
 // Pairs of meshes side by side in lanes against the general path: the same bits, of bodies, springs and what each pair did, on every
 // instruction set.
 #include <gtest/gtest.h>
+#include <omp.h>
 
 #include "core/distance/triangle_distance.hpp"
 #include "solver/pairs/mesh_evaluation.hpp"
@@ -117,6 +118,25 @@ TEST(MeshForces, leave_to_the_general_path_what_lanes_have_no_formula_for) {
   Scene scene = falling_rocks(ContactLaw::linear, 0.5, false, 0);
   scene.pairs[0].rolling_friction = 0.1;
   expect_same_bits(scene, 2000);
+}
+
+// Two pairs fail in the same step: the first in the order of the list is named, whichever is computed first.
+TEST(MeshForces, name_the_first_of_the_pairs_that_make_a_run_invalid) {
+  Scene scene = rock_scene(0);
+  fill_lattice(scene, 4, 1, 1, {0, 0, 0.1}, 0.2, {});
+  for (const std::size_t i : {std::size_t{1}, std::size_t{3}}) scene.bodies.position[i] = scene.bodies.position[i - 1] + Vec3{0.03, 0, 0};
+  const int threads = omp_get_max_threads();
+  for (const int count : {1, 3}) {
+    omp_set_num_threads(count);
+    TestRun run(scene);
+    try {
+      run.start();
+      FAIL() << "two pairs of rocks lie in each other";
+    } catch (const RunInvalid& error) {
+      EXPECT_NE(std::string(error.what()).find("bodies 0 and 1 intersect"), std::string::npos) << error.what();
+    }
+  }
+  omp_set_num_threads(threads);
 }
 
 }  // namespace
