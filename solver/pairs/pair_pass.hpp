@@ -46,7 +46,7 @@ struct PairPass {
   std::optional<PairClass> blocks{};  ///< the pass is over all pairs of this class, those in blocks too
   bool has_ball_rows = false;         ///< scratch.ball_rows are those of the present places already
   bool has_columns = true;            ///< so are the columns of p; if not, pairs that need these are left in scratch.left
-  FailedPair intersecting, passing, through;
+  FailedPair intersecting{}, passing{}, through{};
 
   bool is_read_only() const { return examines || at_rest; }
   /// Whether pairs may be computed in lanes (ball_evaluation.hpp, mesh_evaluation.hpp), which leave out what PairEvaluation alone does.
