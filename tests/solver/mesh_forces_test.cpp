@@ -132,7 +132,7 @@ TEST(MeshForces, name_the_first_of_the_pairs_that_make_a_run_invalid) {
     try {
       run.start();
       FAIL() << "two pairs of rocks lie in each other";
-    } catch (const RunInvalid& error) {
+    } catch (const Error& error) {
       EXPECT_NE(std::string(error.what()).find("bodies 0 and 1 intersect"), std::string::npos) << error.what();
     }
   }
