@@ -116,15 +116,73 @@ HWY_NOINLINE void wrap_some(ParticleSet& p, std::size_t begin, Lane3& x) {
   x = {Lane::load(place[0]), Lane::load(place[1]), Lane::load(place[2])};
 }
 
+/// What all vectors of bodies share.
+struct StepInLanes {
+  Lane step, half_step, time;
+  CellWalls cell;
+};
+
+/// kLanes bodies from `begin` on, from the forces on them to their next places.   in   kFree   all of them move and turn
+/// out   v, w, x   of the next step
+template <bool kFree>
+HWY_INLINE void move_some(const BallMotion& motion, const StepInLanes& s, BallGroup& group, const OnBody* on, bool from_columns,
+                          std::size_t begin, Lane inverse_mass, Lane rate_of_w, Lane3& x, Lane3& v, Lane3& w) {
+  const Lane zero(0.0);
+  const std::size_t at = begin % BallGroup::kBalls;
+  const auto moves = inverse_mass > zero, turns = rate_of_w > zero;
+  // what a body that does not move, or turn, keeps
+  const auto where_moves = [&](const auto& yes, const auto& no) { return kFree ? yes : select(moves, yes, no); };
+  const auto where_turns = [&](const auto& yes, const auto& no) { return kFree ? yes : select(turns, yes, no); };
+  const Lane3 force = load_rows(on, kForce), torque = load_rows(on, kTorque);
+
+  // the second kick of the step, kick_row() of motion.cpp
+  const Lane3 v0 = load_three(group.v, at), L0 = load_three(group.L, at);
+  const Lane3 push = (s.half_step * inverse_mass) * force, turning = s.half_step * torque;
+  const Lane3 v1 = where_moves(v0 + push, v0), L1 = L0 + turning;
+  const Lane3 w0 = kFree ? Lane3{zero, zero, zero} : load_rows(motion.rows + begin, 8), w1 = where_turns(rate_of_w * L1, w0);
+
+  // add_dissipation_of_rows()
+  const Lane3 lost_torque = HWY_UNLIKELY(from_columns) ? load_rows(on, kLostTorque) : torque;
+  const Lane power = dot(load_rows(on, kLost), v1) + dot(lost_torque, w1);
+  (Lane::load(&group.dissipated[at]) + where_moves(s.time * power, zero)).store(&group.dissipated[at]);
+
+  // the first kick of the next step and its drift, kick_and_drift_row()
+  const Lane3 v2 = v1 + push, way = s.step * v2, x0 = load_three(group.x, at), left0 = load_three(group.x_remainder, at);
+  x = x0;
+  Lane3 left = left0;
+  advance(x.x, left.x, way.x);
+  advance(x.y, left.y, way.y);
+  advance(x.z, left.z, way.z);
+  v = where_moves(v2, v1);
+  x = where_moves(x, x0);
+  if (HWY_UNLIKELY(s.cell.any()) && HWY_UNLIKELY(s.cell.may_be_left(x))) wrap_some(motion.p, begin, x);
+  store_three(v, at, group.v);
+  store_three(x, at, group.x);
+  store_three(where_moves(left, left0), at, group.x_remainder);
+
+  const Lane3 L2 = L1 + turning, spin = rate_of_w * L2;
+  w = where_turns(spin, w1);
+  const Lane aa = (s.half_step * s.half_step) * dot(spin, spin);
+  const LaneQuat q0 = load_four(group.q, at), rest0 = load_four(group.q_remainder, at);
+  LaneQuat q = q0, rest = rest0;
+  turn_about(spin, aa, s.half_step, q, rest);
+  store_three(where_turns(L2, L0), at, group.L);
+  if (const auto rotates = turns & (aa > zero); !kFree || HWY_UNLIKELY(any(!rotates))) {
+    q = select(rotates, q, q0);
+    rest = select(rotates, rest, rest0);
+  }
+  store_four(q, at, group.q);
+  store_four(rest, at, group.q_remainder);
+}
+
 template <bool kRolls, bool kAsks>
 BallsMoved move_groups(const BallMotion& motion, std::size_t begin, std::size_t end) {
-  const Lane zero(0.0), step(motion.dt), half_step(0.5 * motion.dt), time(-motion.dt),
-      share((1 - 1e-12) * (motion.share / motion.dt));  // some rounding on the safe side
+  const Lane zero(0.0), share((1 - 1e-12) * (motion.share / motion.dt));  // some rounding on the safe side
+  const StepInLanes step{Lane(motion.dt), Lane(0.5 * motion.dt), Lane(-motion.dt), CellWalls(motion.p.cell.periodicity())};
   Numbers gravity;
   alignas(32) const double of_gravity[4] = {motion.gravity.x, motion.gravity.y, motion.gravity.z, 0};
   for (std::size_t j = 0; j < 4 / kWidth; ++j) gravity.part[j] = hn::Load(Four(), of_gravity + kWidth * j);
   Lane fastest = zero;
-  const CellWalls cell(motion.p.cell.periodicity());
   BallsMoved moved;
   alignas(128) OnBody on[kLanes];
   for (std::size_t i = begin * BallGroup::kBalls; i < end * BallGroup::kBalls; i += kLanes) {
@@ -132,42 +190,11 @@ BallsMoved move_groups(const BallMotion& motion, std::size_t begin, std::size_t 
     BallGroup& group = motion.groups[i / BallGroup::kBalls];
     const bool from_columns = sum_some<kRolls, kAsks>(motion, group, gravity, i, on);
     const Lane inverse_mass = Lane::load(&group.inverse_mass[at]), rate_of_w = Lane::load(&group.inverse_inertia[at]);
-    const auto moves = inverse_mass > zero, turns = rate_of_w > zero;
-    const Lane3 force = load_rows(on, kForce), torque = load_rows(on, kTorque);
-
-    // the second kick of the step, kick_row() of motion.cpp
-    const Lane3 v0 = load_three(group.v, at), L0 = load_three(group.L, at);
-    const Lane3 push = (half_step * inverse_mass) * force, turning = half_step * torque;
-    const Lane3 v1 = select(moves, v0 + push, v0), L1 = L0 + turning;
-    const Lane3 w0 = any(!turns) ? load_rows(motion.rows + i, 8) : Lane3{zero, zero, zero}, w1 = select(turns, rate_of_w * L1, w0);
-
-    // add_dissipation_of_rows()
-    const Lane3 lost_torque = HWY_UNLIKELY(from_columns) ? load_rows(on, kLostTorque) : torque;
-    const Lane power = dot(load_rows(on, kLost), v1) + dot(lost_torque, w1);
-    (Lane::load(&group.dissipated[at]) + select(moves, time * power, zero)).store(&group.dissipated[at]);
-
-    // the first kick of the next step and its drift, kick_and_drift_row()
-    const Lane3 v2 = v1 + push, way = step * v2, x0 = load_three(group.x, at), left0 = load_three(group.x_remainder, at);
-    Lane3 x = x0, left = left0;
-    advance(x.x, left.x, way.x);
-    advance(x.y, left.y, way.y);
-    advance(x.z, left.z, way.z);
-    const Lane3 v = select(moves, v2, v1);
-    x = select(moves, x, x0);
-    if (HWY_UNLIKELY(cell.any()) && HWY_UNLIKELY(cell.may_be_left(x))) wrap_some(motion.p, i, x);
-    store_three(v, at, group.v);
-    store_three(x, at, group.x);
-    store_three(select(moves, left, left0), at, group.x_remainder);
-
-    const Lane3 L2 = L1 + turning, spin = rate_of_w * L2, w = select(turns, spin, w1);
-    const Lane aa = (half_step * half_step) * dot(spin, spin);
-    const auto rotates = turns & (aa > zero);
-    const LaneQuat q0 = load_four(group.q, at), rest0 = load_four(group.q_remainder, at);
-    LaneQuat q = q0, rest = rest0;
-    turn_about(spin, aa, half_step, q, rest);
-    store_three(select(turns, L2, L0), at, group.L);
-    store_four(select(rotates, q, q0), at, group.q);
-    store_four(select(rotates, rest, rest0), at, group.q_remainder);
+    Lane3 x, v, w;
+    if (HWY_LIKELY(!any(!((inverse_mass > zero) & (rate_of_w > zero)))))
+      move_some<true>(motion, step, group, on, from_columns, i, inverse_mass, rate_of_w, x, v, w);
+    else
+      move_some<false>(motion, step, group, on, from_columns, i, inverse_mass, rate_of_w, x, v, w);
 
     double* const rows = &motion.rows[i].x.v.x;
     constexpr std::size_t kStride = sizeof(BallRow) / sizeof(double);
