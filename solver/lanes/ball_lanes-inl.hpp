@@ -101,7 +101,7 @@ class Rows {
 /// Four numbers of A's rows less those of B's, their sums, or A's alone, a pair in each lane: column[j] has the number `first` + j.
 template <Of kOf>
 HWY_INLINE void load_quarters(const BallRow* rows, const std::int32_t* a, const std::int32_t* b, std::size_t first, Lane* column) {
-  static_assert(sizeof(BallRow) == 16 * sizeof(double));
+  static_assert(sizeof(BallRow) == 12 * sizeof(double));
   load_columns<kOf>([=](std::size_t lane) { return &rows[a[lane]].x.v.x + first; },
                     [=](std::size_t lane) { return &rows[b[lane]].x.v.x + first; }, column);
 }

@@ -46,9 +46,10 @@ HWY_INLINE BallsApart apart(const BallScene& scene, const BallPairs& pairs, std:
       balls.velocity = load_vector<Of::one>(scene, 4, a, a) - with_cell(load_vector<Of::one>(scene, 4, b, b), balls.between);
     else
       balls.velocity = load_vector<Of::difference>(scene, 4, a, b);
-    balls.spins = load_vector<Of::sum>(scene, 8, a, b);
-    balls.surface_spins = load_vector<Of::sum>(scene, 12, a, b);
-    if constexpr (kRolls) balls.relative_spin = load_vector<Of::difference>(scene, 8, a, b);
+    const Lane3 wa = load_vector<Of::one>(scene, 8, a, a), wb = load_vector<Of::one>(scene, 8, b, b);
+    balls.spins = wa + wb;
+    balls.surface_spins = pair.radius_a * wa + pair.radius_b * wb;
+    if constexpr (kRolls) balls.relative_spin = wa - wb;
     return balls;
   } else {
     const ParticleSet& p = scene.p;

@@ -19,16 +19,20 @@
 HWY_BEFORE_NAMESPACE();
 namespace scree::HWY_NAMESPACE {
 
-/// What acts on a body in a step, and what of it is dissipative, as four rows: those of BallRow, so that they are loaded as these are.
-using OnBody = BallRow;
+/// What acts on a body in a step, and what of it is dissipative: four times three numbers and one that is not used.
+struct alignas(128) OnBody {
+  double number[16];
+};
 enum : std::size_t { kForce = 0, kTorque = 4, kLost = 8, kLostTorque = 12 };
 
-HWY_INLINE Lane3 load_rows(const BallRow* rows, std::size_t first) {
-  alignas(64) static constexpr std::array<std::int32_t, BallGroup::kBalls> kOrder{0, 1, 2, 3, 4, 5, 6, 7};
+/// Three numbers of each of kLanes rows.
+HWY_INLINE Lane3 load_rows(const double* first, std::size_t stride) {
   Lane column[4];
-  load_quarters<Of::one>(rows, kOrder.data(), kOrder.data(), first, column);
+  load_columns([=](std::size_t lane) { return first + lane * stride; }, column);
   return {column[0], column[1], column[2]};
 }
+HWY_INLINE Lane3 load_rows(const OnBody* on, std::size_t first) { return load_rows(on->number + first, sizeof(OnBody) / sizeof(double)); }
+HWY_INLINE Lane3 spins_of(const BallRow* rows) { return load_rows(&rows->w.v.x, sizeof(BallRow) / sizeof(double)); }
 
 // kLanes balls of a group from place `at` on
 HWY_INLINE Lane3 load_three(const std::array<BallGroup::Eight, 3>& from, std::size_t at) {
@@ -62,13 +66,14 @@ HWY_INLINE bool sum_some(const BallMotion& motion, const BallGroup& group, const
     }
     if (kAsks && i + kBodiesAhead < p.owned) ask_for_slots(motion.sums, i + kBodiesAhead);
     if (HWY_UNLIKELY(motion.summed[i] != 0)) {
-      on[k] = {{p.force[i]}, {p.torque[i]}, {p.dissipative_force[i]}, {p.dissipative_torque[i]}};
+      const Vec3 &f = p.force[i], &t = p.torque[i], &lost = p.dissipative_force[i], &lost_t = p.dissipative_torque[i];
+      on[k] = {{f.x, f.y, f.z, 0, t.x, t.y, t.z, 0, lost.x, lost.y, lost.z, 0, lost_t.x, lost_t.y, lost_t.z, 0}};
       from_columns = true;
       continue;
     }
     OnBall sum = sum_on_ball<kRolls>(motion.sums, i, group.radius[at]);
     sum.force.add_scaled_vector(gravity, group.mass[at]);
-    double* const row = &on[k].x.v.x;
+    double* const row = on[k].number;
     sum.force.store(row + kForce);
     sum.torque.store(row + kTorque);
     sum.lost.store(row + kLost);
@@ -139,7 +144,7 @@ HWY_INLINE void move_some(const BallMotion& motion, const StepInLanes& s, BallGr
   const Lane3 v0 = load_three(group.v, at), L0 = load_three(group.L, at);
   const Lane3 push = (s.half_step * inverse_mass) * force, turning = s.half_step * torque;
   const Lane3 v1 = where_moves(v0 + push, v0), L1 = L0 + turning;
-  const Lane3 w0 = kFree ? Lane3{zero, zero, zero} : load_rows(motion.rows + begin, 8), w1 = where_turns(rate_of_w * L1, w0);
+  const Lane3 w0 = kFree ? Lane3{zero, zero, zero} : spins_of(motion.rows + begin), w1 = where_turns(rate_of_w * L1, w0);
 
   // add_dissipation_of_rows()
   const Lane3 lost_torque = HWY_UNLIKELY(from_columns) ? load_rows(on, kLostTorque) : torque;
@@ -202,7 +207,6 @@ BallsMoved move_groups(const BallMotion& motion, std::size_t begin, std::size_t 
     store_rows(x, zero, rows, kStride);
     store_rows(v, zero, rows + 4, kStride);
     store_rows(w, zero, rows + 8, kStride);
-    store_rows(radius * w, zero, rows + 12, kStride);
     const Lane squared = dot(v, v);
     fastest = Lane{select(squared > fastest, squared, fastest)};
     if (any(!(squared <= most * most))) moved.go_far = true;  // or is no number

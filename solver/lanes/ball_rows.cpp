@@ -20,16 +20,13 @@ HWY_NOINLINE void collect_rows(const ParticleSet& p, std::size_t begin, std::siz
   const std::size_t whole = std::min(end, p.size() - 1);
   for (std::size_t i = begin; i < whole; ++i) {
     BallRow& row = rows[i];
-    const auto radius = hn::Set(d, p.ball_radius[i]);
     for (std::size_t j = 0; j < 4; j += kWidth) {
-      const auto w = hn::LoadU(d, &p.w[i].x + j);
       hn::Store(hn::LoadU(d, &p.x[i].x + j), d, &row.x.v.x + j);
       hn::Store(hn::LoadU(d, &p.v[i].x + j), d, &row.v.v.x + j);
-      hn::Store(w, d, &row.w.v.x + j);
-      hn::Store(hn::Mul(radius, w), d, &row.surface_spin.v.x + j);
+      hn::Store(hn::LoadU(d, &p.w[i].x + j), d, &row.w.v.x + j);
     }
   }
-  for (std::size_t i = std::max(begin, whole); i < end; ++i) rows[i] = {{p.x[i]}, {p.v[i]}, {p.w[i]}, {p.ball_radius[i] * p.w[i]}};
+  for (std::size_t i = std::max(begin, whole); i < end; ++i) rows[i] = {{p.x[i]}, {p.v[i]}, {p.w[i]}};
 }
 
 }  // namespace scree::HWY_NAMESPACE

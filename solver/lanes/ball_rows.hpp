@@ -30,10 +30,9 @@ struct alignas(32) PaddedVec3 {
   double unused = 0;
 };
 
-/// What pairs read of a body, in one place: two lines of the cache.
-struct alignas(128) BallRow {
+/// What pairs read of a body, in one place: a line and a half of the cache.
+struct alignas(32) BallRow {
   PaddedVec3 x, v, w;
-  PaddedVec3 surface_spin;  ///< radius times w [m/s]
 };
 
 /// Rows of bodies [begin, end) of p, which has at least one, as they are now.
