@@ -22,7 +22,7 @@ HWY_INLINE Lane motion_between(const Lane3& centre, const LaneQuat& p, const Lan
 
 /// Four numbers of the lists of each pair.
 template <class First>
-HWY_INLINE void load_listed(const MeshPoses& pairs, std::size_t k, First&& first, Lane* column) {
+HWY_INLINE void load_listed(const MeshPoses& pairs, std::size_t k, Lane* column, First&& first) {
   load_columns([&](std::size_t lane) { return first(*pairs.lists[k + lane]); }, column);
 }
 
@@ -31,9 +31,9 @@ HWY_INLINE void poses_in_lanes(const ParticleSet& p, MeshPoses& pairs, std::size
   const LaneQuat qa = a.of(p.q), turn = conjugate(qa) * b.of(p.q);
   const LaneMatrix rotation(turn);
   const Lane3 xa = a.of(p.x), branch = image_of(p.cell.periodicity(), xa, b.of(p.x)) - xa, centre = rotate_inverse(qa, branch);
-  double* const first = &pairs.place[k].pose.turn.w;
-  constexpr std::size_t kStride = sizeof(MeshPoses::Place) / sizeof(double);
-  static_assert(sizeof(RelativePose) == 16 * sizeof(double) && sizeof(MeshPoses::Place) == sizeof(RelativePose));
+  double* const first = &pairs.pose[k].turn.w;
+  constexpr std::size_t kStride = sizeof(RelativePose) / sizeof(double);
+  static_assert(kStride == 16);
   const Lane3 &row0 = rotation.row(0), &row1 = rotation.row(1), &row2 = rotation.row(2);
   store_rows({turn.w, turn.x, turn.y}, turn.z, first, kStride);
   store_rows(row0, row1.x, first + 4, kStride);
@@ -46,14 +46,10 @@ HWY_INLINE void poses_in_lanes(const ParticleSet& p, MeshPoses& pairs, std::size
   const Lane size = select(radius_b < radius_a, radius_b, radius_a);
   const Lane3 smaller = select(frame_is_a, centre, -rotation.transpose_times(centre));
   Lane listed[4], listed_turn[4], last[4], last_turn[4];
-  load_listed(
-      pairs, k, [](const CandidateLists& lists) { return &lists.centre.x; }, listed);
-  load_listed(
-      pairs, k, [](const CandidateLists& lists) { return &lists.turn.w; }, listed_turn);
-  load_listed(
-      pairs, k, [](const CandidateLists& lists) { return &lists.last_centre.x; }, last);
-  load_listed(
-      pairs, k, [](const CandidateLists& lists) { return &lists.last_turn.w; }, last_turn);
+  load_listed(pairs, k, listed, [](const CandidateLists& lists) { return &lists.centre.x; });
+  load_listed(pairs, k, listed_turn, [](const CandidateLists& lists) { return &lists.turn.w; });
+  load_listed(pairs, k, last, [](const CandidateLists& lists) { return &lists.last_centre.x; });
+  load_listed(pairs, k, last_turn, [](const CandidateLists& lists) { return &lists.last_turn.w; });
   const auto quaternion = [](const Lane* q) { return LaneQuat{q[0], q[1], q[2], q[3]}; };
   const Lane step = motion_between(smaller, turn, {last[0], last[1], last[2]}, quaternion(last_turn), size);
   const Lane moved = motion_between(smaller, turn, {listed[0], listed[1], listed[2]}, quaternion(listed_turn), size);

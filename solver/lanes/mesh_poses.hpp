@@ -15,10 +15,6 @@ namespace scree {
 /// Pairs of two bodies with lists of candidates.
 struct MeshPoses {
   static constexpr std::size_t kPairs = 8;  ///< that are taken at once: as many as the widest vector has lanes
-  /// As lanes write it.
-  struct alignas(64) Place {
-    RelativePose pose;
-  };
 
   std::size_t count = 0;
   alignas(64) std::array<std::int64_t, kPairs> a, b;  ///< rows of the particle set
@@ -26,7 +22,7 @@ struct MeshPoses {
   std::array<CandidateLists*, kPairs> lists;
 
   // found
-  std::array<Place, kPairs> place;
+  alignas(64) std::array<RelativePose, kPairs> pose;
   alignas(64) std::array<double, kPairs> moved;          ///< what follow_motion() returns [m]
   alignas(64) std::array<double, kPairs> squared_speed;  ///< no point of the smaller body is faster against the larger one [m^2/s^2]
 };

@@ -11,7 +11,6 @@
 
 namespace scree {
 
-/// One evaluation of pairs: what all threads read, and what any of them may find wrong.
 /// The first of the pairs, in the order of the list, that make the run invalid in some way: the same one whichever is computed first.
 class FailedPair {
  public:
@@ -27,6 +26,7 @@ class FailedPair {
   std::atomic<std::int32_t> k_{-1};
 };
 
+/// One evaluation of pairs: what all threads read, and what any of them may find wrong.
 struct PairPass {
   const SolverScene& scene;
   const ParticleSet& p;

@@ -19,7 +19,7 @@ void PendingPairs::add(std::int32_t k, double moved, const PairView& view, const
   pending.moved = moved;
   if (&view != &pending.view) pending.view = view;
   std::swap(pending.due, due);
-  queue_corners(pending.view.a, pending.view.b, pending.view.pose, lists, pending.due, corners_);
+  queue_corners(view.a, view.b, view.pose, lists, pending.due, corners_);
   if (pending.due.edge_count() > 0) {
     edges_.poses[count_] = EdgePose(view.pose, view.a, view.b, view.reach);
     edges_.has_walls = edges_.has_walls || view.b.shape->is_two_sided;

@@ -36,7 +36,7 @@ class PosedPairs {
   void finish(Work&& work) {
     if (poses_.count == 0) return;
     find_mesh_poses(pass_.p, poses_);
-    for (std::size_t n = 0; n < poses_.count; ++n) work(poses_.index[n], poses_.place[n].pose, poses_.moved[n], poses_.squared_speed[n]);
+    for (std::size_t n = 0; n < poses_.count; ++n) work(poses_.index[n], poses_.pose[n], poses_.moved[n], poses_.squared_speed[n]);
     poses_.count = 0;
   }
 

@@ -57,34 +57,37 @@ void finish_in_free_flight(const RunState& s, ParticleSet& p, std::size_t body) 
   s.fluid->kick_body(p, body, 0.5 * s.clock.dt);
 }
 
+double farthest_from_wall(const RunState& s, std::size_t wall, const Vec3& place) {
+  const ParticleSet& p = s.particles;
+  double farthest = 0;
+  for (std::size_t i = 0; i < p.owned; ++i) {
+    if (p.fixed[i] && s.scene.drive(wall) == nullptr) continue;
+    farthest = std::max(farthest, length(p.x[i] - place) + p.radius[i]);
+  }
+  return farthest;
+}
+
+double chord_of_turn(const WallState& from, const WallState& to) {
+  const Quat turn = conjugate(from.orientation) * to.orientation;
+  return 2 * std::sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z);
+}
+
 double walls_moved(const RunState& s, const std::vector<WallState>& from, const std::vector<WallState>& to) {
   if (!s.scene.has_driven_walls()) return 0;
-  const ParticleSet& p = s.particles;
   double moved = 0;
   for (std::size_t k = 0; k < to.size(); ++k) {
-    const Quat turn = conjugate(from[k].orientation) * to[k].orientation;
-    const double chord = 2 * std::sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z);
-    double farthest = 0;
-    for (std::size_t i = 0; i < p.owned && chord > 0; ++i) {
-      if (p.fixed[i] && s.scene.drive(k) == nullptr) continue;
-      farthest = std::max(farthest, length(p.x[i] - to[k].position) + p.radius[i]);
-    }
+    const double chord = chord_of_turn(from[k], to[k]), farthest = chord > 0 ? farthest_from_wall(s, k, to[k].position) : 0;
     moved = std::max(moved, length(to[k].position - from[k].position) + chord * farthest);
   }
   return moved;
 }
 
 double fastest_wall(const RunState& s, const std::vector<WallState>& walls) {
-  const ParticleSet& p = s.particles;
   double fastest = 0;
   for (std::size_t k = 0; k < walls.size(); ++k) {
     const WallState& w = walls[k];
-    double farthest = 0;
-    for (std::size_t i = 0; i < p.owned && length(w.angular_velocity) > 0; ++i) {
-      if (p.fixed[i] && s.scene.drive(k) == nullptr) continue;
-      farthest = std::max(farthest, length(p.x[i] - w.position) + p.radius[i]);
-    }
-    fastest = std::max(fastest, length(w.velocity) + farthest * length(w.angular_velocity));
+    const double spin = length(w.angular_velocity), farthest = spin > 0 ? farthest_from_wall(s, k, w.position) : 0;
+    fastest = std::max(fastest, length(w.velocity) + farthest * spin);
   }
   return fastest;
 }

@@ -71,6 +71,10 @@ double potential_energy_at(const RunState& s, const ParticleSet& p, std::size_t 
 /// The second kick of the present step for a body that touches nothing.
 void finish_in_free_flight(const RunState& s, ParticleSet& p, std::size_t body);
 
+/// As far from a place as an owned body reaches that moves, or whose wall answers to force [m].   Cost: O(bodies)
+double farthest_from_wall(const RunState& s, std::size_t wall, const Vec3& place);
+/// A point of a wall at a distance from its origin has moved no further by its turn than this times the distance.
+double chord_of_turn(const WallState& from, const WallState& to);
 /// How far walls have moved between two states with respect to any owned body that moves, at most [m].
 double walls_moved(const RunState& s, const std::vector<WallState>& from, const std::vector<WallState>& to);
 /// Fastest point of a wall near an owned body that moves [m/s].

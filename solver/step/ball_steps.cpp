@@ -37,18 +37,6 @@ double farthest_coordinate(const ParticleSet& p) {
   return farthest;
 }
 
-/// As far from a point as the surface of a body reaches [m].
-double farthest_body(const ParticleSet& p, const Vec3& point) {
-  double farthest = 0;
-  const auto count = static_cast<std::ptrdiff_t>(p.owned);
-#pragma omp parallel for schedule(static) reduction(max : farthest)
-  for (std::ptrdiff_t i = 0; i < count; ++i) {
-    const auto row = static_cast<std::size_t>(i);
-    farthest = std::max(farthest, length(p.x[row] - point) + p.radius[row]);
-  }
-  return farthest;
-}
-
 }  // namespace
 
 /// Calls action(begin, end) with the groups of the calling thread. In a parallel region.
@@ -82,13 +70,15 @@ bool BallSteps::lists_hold(const RunState& s, const NeighbourLists& lists) {
   return has_numbers && listed_ <= limit;
 }
 
-/// in   s   columns of bodies are up to date
-void BallSteps::begin_walls(const RunState& s, const NeighbourLists& lists) {
+/// Returns whether lists last for some steps more.   in   s   columns of bodies are up to date
+bool BallSteps::begin_walls(const RunState& s, const NeighbourLists& lists) {
   walls_listed_ = walls_way_ = 0;
-  if (!s.scene.has_driven_walls()) return;
+  if (!s.scene.has_driven_walls()) return true;
   walls_listed_ = lists.walls_have_moved(s);
+  if (walls_listed_ > kWallsNearlyThere * lists.limit()) return false;
   wall_reach_.clear();
-  for (const WallState& wall : s.walls) wall_reach_.push_back(farthest_body(s.particles, wall.position));
+  for (std::size_t w = 0; w < s.walls.size(); ++w) wall_reach_.push_back(farthest_from_wall(s, w, s.walls[w].position));
+  return true;
 }
 
 /// Walls of the step that has begun.
@@ -98,11 +88,10 @@ void BallSteps::move_walls(RunState& s) {
   s.set_walls();
   double moved = 0;
   for (std::size_t w = 0; w < s.walls.size(); ++w) {
-    const Vec3 shift = s.walls[w].position - walls_before_[w].position;
-    const Quat turn = conjugate(walls_before_[w].orientation) * s.walls[w].orientation;
-    const double chord = 2 * std::sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z);
+    const double shift = length(s.walls[w].position - walls_before_[w].position);
     // bodies and walls have moved since the distance was measured
-    moved = std::max(moved, length(shift) + chord * (wall_reach_[w] + bound_ + walls_way_ + length(shift)));
+    const double farthest = wall_reach_[w] + bound_ + walls_way_ + shift;
+    moved = std::max(moved, shift + chord_of_turn(walls_before_[w], s.walls[w]) * farthest);
   }
   walls_listed_ += kRounding * moved;
   walls_way_ += kRounding * moved;
@@ -130,8 +119,7 @@ bool BallSteps::run(RunState& s, ForceStep& forces, Balance& balance, FirstFailu
   bound_ = bound_then_ = 4 * std::numeric_limits<double>::epsilon() * farthest_coordinate(p);
   listed_ = lists.limit();  // asked when it matters
   const double dt = s.clock.dt;
-  begin_walls(s, lists);
-  if (walls_listed_ > kWallsNearlyThere * lists.limit()) return false;
+  if (!begin_walls(s, lists)) return false;
   const std::function<void()> write_columns = [this, &s, &forces] { leave(s, forces); };
   enter(s, forces);
   bool moved = false, failed = false;

@@ -31,7 +31,7 @@ class BallSteps {
 
  private:
   bool lists_hold(const RunState& s, const NeighbourLists& lists);
-  void begin_walls(const RunState& s, const NeighbourLists& lists);
+  bool begin_walls(const RunState& s, const NeighbourLists& lists);
   void move_walls(RunState& s);
   /// Takes bodies into groups, and back into their columns.
   void enter(RunState& s, ForceStep& forces);

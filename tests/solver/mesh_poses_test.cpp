@@ -81,7 +81,7 @@ void expect_the_bits_of_plain_code(std::size_t count, Domain domain, std::mt1993
   for (std::size_t n = 0; n < count; ++n) {
     const std::size_t j = (n + 1) % kBodies;
     const PairView view = view_of_rows(p, n, j);
-    EXPECT_TRUE(same_bits(poses->place[n].pose, view.pose)) << n;
+    EXPECT_TRUE(same_bits(poses->pose[n], view.pose)) << n;
     EXPECT_EQ(poses->moved[n], follow_motion(expected[n], view.pose, view.radius_a, view.radius_b)) << n;
     EXPECT_EQ(lists[n].way, expected[n].way) << n;
     EXPECT_TRUE(same_bits(lists[n].last_centre, expected[n].last_centre)) << n;
